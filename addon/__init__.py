@@ -1,0 +1,1 @@
+"""The extension: one corridor from a Blender scene to a compared picture."""

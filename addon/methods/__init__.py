@@ -1,0 +1,1 @@
+"""One file per real-time method, and the contract they keep."""

@@ -1,0 +1,72 @@
+"""What a real-time method is, and what it gives."""
+
+from abc import ABC, abstractmethod
+from collections.abc import Mapping, Sequence
+from dataclasses import dataclass, field
+from typing import ClassVar
+
+import numpy as np
+
+from ..parameters import Parameter, Value, resolve
+from ..progress import Progress, silent
+from ..scene import Camera, Instance, Lighting, Scene
+
+
+@dataclass(frozen=True)
+class View:
+    """A picture to render: `width` × `height` pixels, `samples` per side of a pixel (4 is 16 a pixel, in a box)."""
+
+    camera: Camera
+    width: int
+    height: int
+    samples: int = 4
+
+
+@dataclass(eq=False)
+class Frame:
+    """A rendered picture; row 0 is the top.
+
+    `color` (H, W, 3) float32 scene-linear radiance; `reflectors` (H, W) float32 in 0..1, the share
+    of the pixel that shows a reflector; `distance` (H, W) float32 metres from the reflector to what
+    the pixel's centre sees in it, infinite where that is the world, NaN off the reflectors;
+    `time_ms` GPU milliseconds by stage for one sample a pixel ("reflection", "frame"), the median
+    of several.
+    """
+
+    color: np.ndarray
+    reflectors: np.ndarray
+    distance: np.ndarray
+    time_ms: dict[str, float] = field(default_factory=dict)
+
+
+class Method(ABC):
+    """A way to draw reflections in real time.
+
+    A subclass's docstring gives source, parameters, outputs and *limitations*; `catoptric methods`
+    and the manual print it. `source` names paper and section in one line.
+    """
+
+    name: ClassVar[str]
+    source: ClassVar[str]
+    parameters: ClassVar[Sequence[Parameter]] = ()
+
+    def __init__(self, settings: Mapping[str, Value] | None = None) -> None:
+        """`settings` maps names of `parameters` to values; raises `UsageError` for one that is wrong."""
+        self.settings = resolve(self.parameters, settings or {})
+
+    @classmethod
+    def applies_to(cls, scene: Scene, reflector: Instance) -> str | None:
+        """None if the method can draw this reflector, else the reason, as a sentence a person can act on."""
+        return None
+
+    @abstractmethod
+    def prepare(self, scene: Scene, lighting: Lighting, progress: Progress = silent) -> None:
+        """Bake what the scene needs; called once for a scene before any `render`."""
+
+    @abstractmethod
+    def render(self, view: View) -> Frame:
+        """The picture of the prepared scene."""
+
+    @abstractmethod
+    def release(self) -> None:
+        """Give back the GPU memory that `prepare` took."""

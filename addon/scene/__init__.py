@@ -1,0 +1,26 @@
+"""What is rendered, as plain NumPy dataclasses, and reading and writing it as one file."""
+
+from .camera import Camera, SensorFit
+from .light import Lamp, LampKind, Lighting, World
+from .material import BLACK, ColorSource, Extension, Fresnel, Image, Interpolation, Material
+from .mesh import Instance, Mesh
+from .scene import Scene
+
+__all__ = [
+    "BLACK",
+    "Camera",
+    "ColorSource",
+    "Extension",
+    "Fresnel",
+    "Image",
+    "Instance",
+    "Interpolation",
+    "Lamp",
+    "LampKind",
+    "Lighting",
+    "Material",
+    "Mesh",
+    "Scene",
+    "SensorFit",
+    "World",
+]
