@@ -1,0 +1,72 @@
+"""A Scene that lies on the GPU."""
+
+import moderngl
+import numpy as np
+
+from ..gl import DataTexture, program, require
+from ..scene import Lighting, Scene
+from .tables import tables_of
+
+_LIGHTING = {Lighting.UNLIT: 0, Lighting.CYCLES: 1, Lighting.DIRECT: 2}
+
+FREE_UNIT = 12
+"""The first texture unit that a method may use for itself."""
+
+
+class Resident:
+    """Tables and vertex buffers of a scene under one light; made, used and released on the GL thread."""
+
+    def __init__(self, scene: Scene, lighting: Lighting) -> None:
+        """Upload everything; raises `MachineError` where the GPU cannot hold it."""
+        self.scene = scene
+        self._lighting = lighting
+        tables = tables_of(scene)
+        self._panorama = tables.panorama
+        self._hierarchy_nodes = len(tables.arrays["hierarchy"]) // 2
+        self._textures = {name: DataTexture(array) for name, array in tables.arrays.items()}
+        self._first_triangle = tables.first_triangle
+        self._visibility = program("visibility/visibility.vert", "visibility/visibility.frag")
+        self._vertex_arrays = [self._vertex_array(mesh) for mesh in scene.meshes]
+
+    def _vertex_array(self, mesh) -> moderngl.VertexArray:
+        context = require()
+        vertices = context.buffer(np.ascontiguousarray(mesh.positions, np.float32))
+        indices = context.buffer(np.ascontiguousarray(mesh.triangles, np.int32))
+        return context.vertex_array(self._visibility, [(vertices, "3f", "position")], indices)
+
+    def bind(self, shader: moderngl.Program) -> None:
+        """Bind every table that `shader` reads, and set the uniforms that belong to the scene."""
+        for unit, (name, texture) in enumerate(self._textures.items()):
+            if name in shader:
+                texture.use(unit)
+                shader[name] = unit
+        uniforms = {
+            "lighting": _LIGHTING[self._lighting],
+            "world_color": self.scene.world.color,
+            "world_panorama": self._panorama,
+            "hierarchy_nodes": self._hierarchy_nodes,
+        }
+        for name, value in uniforms.items():
+            if name in shader:
+                shader[name] = value
+
+    def rasterise(self, world_to_clip: np.ndarray, hidden: frozenset[int] = frozenset()) -> None:
+        """Draw (instance + 1, triangle) of what the camera sees into the bound framebuffer.
+
+        `world_to_clip` (4, 4) float64; `hidden` instances are left out, as are those not `in_camera`.
+        """
+        for index, instance in enumerate(self.scene.instances):
+            if instance.in_camera and index not in hidden:
+                # Products in double precision: a float chain loses far scenes.
+                matrix = (world_to_clip @ instance.matrix).astype(np.float32)
+                self._visibility["object_to_clip"].write(matrix.T.tobytes())
+                self._visibility["instance"] = index + 1
+                self._visibility["first_triangle"] = int(self._first_triangle[instance.mesh])
+                self._vertex_arrays[instance.mesh].render(moderngl.TRIANGLES)
+
+    def release(self) -> None:
+        """Give the GPU memory back."""
+        for texture in self._textures.values():
+            texture.release()
+        for array in self._vertex_arrays:
+            array.release()

@@ -1,0 +1,172 @@
+"""A Scene as the tables that gpu_shaders/common reads: plain arrays, one row a texel."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import numpy as np
+
+from ..scene import ColorSource, Image, Instance, Material, Mesh, Scene
+from ..tracing import Layers, build_hierarchy, build_layers
+
+_BYTES, _SRGB = 1, 2
+_NONE = -1
+
+
+@dataclass(frozen=True, eq=False)
+class Tables:
+    """`arrays` by sampler name, `first_triangle` of each mesh, and the image index of the panorama (-1: none)."""
+
+    arrays: dict[str, np.ndarray]
+    first_triangle: np.ndarray
+    panorama: int
+
+
+def tables_of(scene: Scene) -> Tables:
+    """Lay out the whole scene. Every table has at least one row, so that its texture exists."""
+    counts = [len(mesh.triangles) for mesh in scene.meshes]
+    first_triangle = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
+    layers = [build_layers(mesh.corners) for mesh in scene.meshes]
+    images = list(scene.images)
+    panorama = _NONE
+    if scene.world.panorama is not None:
+        panorama = len(images)
+        images.append(_opaque(scene.world.panorama))
+    instances, materials = _instances_and_materials(scene, layers)
+    arrays = {
+        "positions": _rows([_positions(mesh) for mesh in scene.meshes]),
+        "corners": _rows([_corners(mesh) for mesh in scene.meshes]),
+        "vertex_colors": _vertex_colors(scene.meshes),
+        "instances": instances,
+        "materials": materials,
+        **_images(images),
+        **_layers(layers, first_triangle),
+        "hierarchy": _hierarchy(scene),
+    }
+    return Tables(arrays, first_triangle, panorama)
+
+
+def world_box(instance: Instance, mesh: Mesh) -> np.ndarray:
+    """(2, 3) float64: least and greatest world corner of a mesh as an instance places it."""
+    points = mesh.positions.astype(np.float64) @ instance.matrix[:3, :3].T + instance.matrix[:3, 3]
+    return np.stack([points.min(axis=0), points.max(axis=0)])
+
+
+def _rows(parts: Sequence[np.ndarray]) -> np.ndarray:
+    return np.concatenate([*parts, np.zeros((0 if parts else 1, 4), np.float32)])
+
+
+def _positions(mesh: Mesh) -> np.ndarray:
+    rows = np.zeros((len(mesh.triangles), 3, 4), np.float32)
+    rows[..., :3] = mesh.corners
+    rows[:, 0, 3] = mesh.slots
+    return rows.reshape(-1, 4)
+
+
+def _corners(mesh: Mesh) -> np.ndarray:
+    rows = np.zeros((len(mesh.triangles), 3, 2, 4), np.float32)
+    rows[:, :, 0, :3] = mesh.normals
+    rows[:, :, 0, 3], rows[:, :, 1, 0] = mesh.uvs[..., 0], mesh.uvs[..., 1]
+    if mesh.lightmap_uvs is not None:
+        rows[:, :, 1, 1:3] = mesh.lightmap_uvs
+    return rows.reshape(-1, 4)
+
+
+def _vertex_colors(meshes: Sequence[Mesh]) -> np.ndarray:
+    if all(mesh.colors is None for mesh in meshes):
+        return np.ones((1, 4), np.float32)
+    white = [np.ones((3 * len(mesh.triangles), 4), np.float32) for mesh in meshes]
+    colors = [rows if mesh.colors is None else mesh.colors for rows, mesh in zip(white, meshes, strict=True)]
+    return np.concatenate([np.asarray(rows, np.float32).reshape(-1, 4) for rows in colors])
+
+
+def _instances_and_materials(scene: Scene, layers: Sequence[Layers]) -> tuple[np.ndarray, np.ndarray]:
+    """An instance's materials stand in a row of their own, so that a slot is an offset."""
+    first: dict[tuple[int, ...], int] = {}
+    order: list[int] = []
+    for instance in scene.instances:
+        if instance.materials not in first:
+            first[instance.materials] = len(order)
+            order.extend(instance.materials)
+    rows = np.zeros((max(1, len(scene.instances)), 9, 4), np.float32)
+    for row, instance in zip(rows, scene.instances, strict=False):
+        row[0:3] = instance.matrix[:3]
+        row[3:6] = np.linalg.inv(instance.matrix)[:3]
+        lightmap = _NONE if instance.lightmap is None else instance.lightmap
+        row[6, :3] = first[instance.materials], instance.reflector, lightmap
+        row[7] = (*layers[instance.mesh].low, instance.mesh)
+        row[8, :3] = layers[instance.mesh].size
+    materials = [_material(scene.materials[index]) for index in order] or [np.zeros((5, 4), np.float32)]
+    return rows.reshape(-1, 4), np.concatenate(materials)
+
+
+def _material(material: Material) -> np.ndarray:
+    sources = (material.base, material.emission, material.reflection)
+    images = [_NONE if source.image is None else source.image for source in sources]
+    return np.array(
+        [
+            [*material.base.color, material.diffuse],
+            [*material.emission.color, material.emits],
+            [*material.reflection.color, material.fresnel],
+            [*images, material.mirrors],
+            [*(_flags(source) for source in sources), material.ior],
+        ],
+        np.float32,
+    )
+
+
+def _flags(source: ColorSource) -> int:
+    return source.interpolation | source.extension << 1 | source.vertex_colors << 3
+
+
+def _opaque(panorama: np.ndarray) -> Image:
+    pixels = np.ones((*panorama.shape[:2], 4), np.float32)
+    pixels[..., :3] = panorama[..., :3]
+    return Image("world", pixels)
+
+
+def _images(images: Sequence[Image]) -> dict[str, np.ndarray]:
+    table = np.zeros((max(1, len(images)), 4), np.uint32)
+    texels: dict[bool, list[np.ndarray]] = {True: [], False: []}
+    offsets = {True: 0, False: 0}
+    for row, image in zip(table, images, strict=False):
+        height, width = image.pixels.shape[:2]
+        is_bytes = image.pixels.dtype == np.uint8
+        row[:] = offsets[is_bytes], width, height, _BYTES * is_bytes | _SRGB * image.srgb
+        texels[is_bytes].append(image.pixels.reshape(-1, 4))
+        offsets[is_bytes] += width * height
+    return {
+        "images": table,
+        "byte_texels": np.concatenate([*texels[True], np.zeros((1, 4), np.uint8)]),
+        "float_texels": np.concatenate([*texels[False], np.zeros((1, 4), np.float32)]).astype(np.float32),
+    }
+
+
+def _layers(layers: Sequence[Layers], first_triangle: np.ndarray) -> dict[str, np.ndarray]:
+    nodes, entries, grids = [np.zeros((1, 4), np.uint32)], [np.zeros(1, np.uint32)], []
+    first_node = first_entry = 1
+    for mesh, first in zip(layers, first_triangle, strict=False):
+        for grid in mesh.grids:
+            placed = grid.nodes.copy()
+            placed[:, 2] += np.uint32(first_entry)
+            nodes.append(placed)
+            entries.append(grid.entries + np.uint32(first))
+            first_node += len(grid.nodes)
+            first_entry += len(grid.entries)
+            grids.append((*grid.shape, grid.levels, first_node - 1))
+    return {
+        "layer_nodes": np.concatenate(nodes),
+        "layer_entries": np.concatenate(entries)[:, None],
+        "layer_grids": np.array(grids or [(0, 0, 0, 0)], np.uint32),
+    }
+
+
+def _hierarchy(scene: Scene) -> np.ndarray:
+    shown = [index for index, instance in enumerate(scene.instances) if instance.in_reflections]
+    boxes = [world_box(scene.instances[index], scene.meshes[scene.instances[index].mesh]) for index in shown]
+    nodes = build_hierarchy(np.array(boxes).reshape(-1, 2, 3))
+    leaves = nodes[:, 1, 3] >= 0
+    nodes[leaves, 1, 3] = np.array(shown, np.float32)[nodes[leaves, 1, 3].astype(int)]
+    margin = 1e-5 * (1.0 + np.abs(nodes[:, :, :3]))
+    nodes[:, 0, :3] -= margin[:, 0]
+    nodes[:, 1, :3] += margin[:, 1]
+    return nodes.reshape(-1, 4)

@@ -1,0 +1,78 @@
+"""The one GL context of the process, on a worker thread of its own.
+
+Blender's context is current on the main thread; a standalone context made there silently draws
+into it, or takes the thread away. On a thread of its own ours and Blender's never meet.
+"""
+
+import sys
+import threading
+from collections.abc import Callable
+from concurrent.futures import ThreadPoolExecutor
+from functools import wraps
+from typing import ParamSpec, TypeVar
+
+import moderngl
+
+from ..errors import MachineError
+
+P = ParamSpec("P")
+R = TypeVar("R")
+
+_GL_VERSION = 410
+_worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="catoptric-gl")
+_local = threading.local()
+
+
+def call(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
+    """`function(*args)`, run on the GL thread; waits for its result and passes on what it raises."""
+    if getattr(_local, "is_gl", False):
+        return function(*args, **kwargs)
+    return _worker.submit(_enter, function, args, kwargs).result()
+
+
+def on_gl_thread(function: Callable[P, R]) -> Callable[P, R]:
+    """Decorate a function that touches GL: it runs on the GL thread, whoever calls it."""
+
+    @wraps(function)
+    def moved(*args: P.args, **kwargs: P.kwargs) -> R:
+        return call(function, *args, **kwargs)
+
+    return moved
+
+
+def require() -> moderngl.Context:
+    """The context, made at the first call; only for functions that run on the GL thread.
+
+    Raises `MachineError` where the machine offers no OpenGL 4.1.
+    """
+    if not getattr(_local, "is_gl", False):
+        raise RuntimeError("GL was touched outside its thread; use gl.call or gl.on_gl_thread")
+    if getattr(_local, "context", None) is None:
+        _local.context = _create()
+    return _local.context
+
+
+def _enter(function, args, kwargs):
+    _local.is_gl = True
+    return function(*args, **kwargs)
+
+
+def _create() -> moderngl.Context:
+    backends = [{"backend": "egl"}, {}] if sys.platform.startswith("linux") else [{}]
+    reasons = []
+    for backend in backends:
+        try:
+            context = moderngl.create_context(standalone=True, require=_GL_VERSION, **backend)
+        except Exception as reason:  # glcontext raises bare Exception for a missing library or driver
+            reasons.append(str(reason))
+            continue
+        context.gc_mode = "context_gc"
+        return context
+    raise MachineError(_advice(reasons))
+
+
+def _advice(reasons: list[str]) -> str:
+    cause = "; ".join(dict.fromkeys(reasons))
+    if sys.platform.startswith("linux"):
+        return f"no OpenGL 4.1 here ({cause}): install libegl1 and libgl1-mesa-dri, or a GPU driver"
+    return f"no OpenGL 4.1 here ({cause}): update the graphics driver"

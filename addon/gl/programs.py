@@ -1,0 +1,76 @@
+"""Shader programs from gpu_shaders/, with `#include` and errors that name a file and line."""
+
+import re
+from collections.abc import Mapping
+from functools import cache
+from pathlib import Path
+
+import moderngl
+
+from .context import require
+
+SHADERS = Path(__file__).resolve().parents[2] / "gpu_shaders"
+
+_VERSION = "#version 410 core"
+_INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"')
+_QUAD = """#version 410 core
+void main() {
+    gl_Position = vec4(vec2((gl_VertexID & 1) * 4 - 1, (gl_VertexID >> 1) * 4 - 1), 0.0, 1.0);
+}
+"""
+
+
+class ShaderError(Exception):
+    """A shader does not compile: a defect of the project, with the file and line to open."""
+
+
+def source(name: str, defines: Mapping[str, int] | None = None) -> tuple[str, list[str]]:
+    """The text of a shader file with every include pasted in once, and the files in it, by `#line` number."""
+    files: list[str] = []
+    lines = [_VERSION, *(f"#define {key} {value}" for key, value in (defines or {}).items())]
+    _paste(name, files, lines)
+    return "\n".join(lines) + "\n", files
+
+
+def _paste(name: str, files: list[str], lines: list[str]) -> None:
+    if name in files:
+        return
+    index = len(files)
+    files.append(name)
+    lines.append(f"#line 1 {index}")
+    for number, line in enumerate((SHADERS / name).read_text(encoding="utf-8").splitlines(), 1):
+        include = _INCLUDE.match(line)
+        if include:
+            _paste(include[1], files, lines)
+            lines.append(f"#line {number + 1} {index}")
+        else:
+            lines.append(line)
+
+
+def program(vertex: str | None, fragment: str, defines: Mapping[str, int] | None = None) -> moderngl.Program:
+    """The program of two files below gpu_shaders/, compiled once; no vertex file means a full-screen triangle."""
+    return _compile(vertex, fragment, tuple(sorted((defines or {}).items())))
+
+
+@cache
+def _compile(vertex: str | None, fragment: str, defines: tuple[tuple[str, int], ...]) -> moderngl.Program:
+    vertex_text, vertex_files = source(vertex, dict(defines)) if vertex else (_QUAD, [])
+    fragment_text, fragment_files = source(fragment, dict(defines))
+    try:
+        return require().program(vertex_shader=vertex_text, fragment_shader=fragment_text)
+    except moderngl.Error as error:
+        files = vertex_files if "vertex_shader" in str(error) else fragment_files
+        raise ShaderError(_located(str(error), files or [fragment])) from None
+
+
+def _located(message: str, files: list[str]) -> str:
+    def name(match: re.Match) -> str:
+        index = int(match[1])
+        return f"{files[index]}:{match[2]}" if index < len(files) else match[0]
+
+    return re.sub(r"\b(\d+)[:(](\d+)\)?", name, message)
+
+
+def screen(shader: moderngl.Program) -> moderngl.VertexArray:
+    """A vertex array that covers the viewport with `shader`; render it with `vertices=3`."""
+    return require().vertex_array(shader, [])

@@ -1,0 +1,29 @@
+"""Our layered depth textures: the hit itself, not a sample near it."""
+
+import moderngl
+
+from .contract import View
+from .deferred import DeferredMethod
+
+
+class LayeredDepth(DeferredMethod):
+    """Layered depth textures whose texels hold the triangles that pass through them.
+
+    A ray walks the columns of each object's three axes, skips empty depth slices by a pyramid, and
+    meets the triangles of a column exactly. It takes the nearest hit over all objects, the reflector
+    itself included, and follows mirrors as often as the scene's glossy bounces allow.
+
+    Source: Zhang, Hsieh and Shen, 3.3 and 3.4, whose texels sample depth; the walk over a min-max
+    pyramid is hierarchical screen-space tracing's.
+
+    Limitations: mirror-like materials only (roughness counts as 0); no refraction; objects that
+    deform are baked again.
+    """
+
+    name = "layered-depth"
+    source = "after Zhang et al., 3.3 and 3.4: columns of triangles, walked exactly"
+    shader = "layered_depth/layered_depth.frag"
+
+    def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
+        """How often a path reflects: once more than Cycles' glossy bounces."""
+        shader["reflections"] = self.scene.glossy_bounces + 1

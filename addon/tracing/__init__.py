@@ -1,0 +1,7 @@
+"""Where rays meet the scene: acceleration structures built from plain triangles, with NumPy alone."""
+
+from .hierarchy import build as build_hierarchy
+from .layers import Grid, Layers
+from .layers import build as build_layers
+
+__all__ = ["Grid", "Layers", "build_hierarchy", "build_layers"]

@@ -1,0 +1,50 @@
+// Images as Cycles reads them: texel centres at halves, bytes interpolated as stored, sRGB decoded after.
+
+#include "common/scene.glsl"
+
+uniform sampler2D byte_texels;
+uniform sampler2D float_texels;
+
+const int IMAGE_BYTES = 1, IMAGE_SRGB = 2;
+const int LINEAR = 0, CLOSEST = 1;
+const int REPEAT = 0, EXTEND = 1, CLIP = 2, MIRROR = 3;
+
+float decode_srgb(float encoded) {
+    return encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);
+}
+
+int wrap(int i, int size, int extension) {
+    if (extension == REPEAT) return ((i % size) + size) % size;
+    if (extension == MIRROR) {
+        int j = ((i % (2 * size)) + 2 * size) % (2 * size);
+        return j < size ? j : 2 * size - 1 - j;
+    }
+    return clamp(i, 0, size - 1);
+}
+
+vec4 image_texel(uvec4 image, int x, int y, int extension) {
+    ivec2 size = ivec2(image.yz);
+    if (extension == CLIP && (x < 0 || y < 0 || x >= size.x || y >= size.y)) return vec4(0.0);
+    int index = int(image.x) + wrap(x, size.x, extension) + size.x * wrap(y, size.y, extension);
+    return (int(image.w) & IMAGE_BYTES) != 0 ? texelFetch(byte_texels, texel_at(index), 0)
+                                             : texelFetch(float_texels, texel_at(index), 0);
+}
+
+vec4 image_at(int index, vec2 uv, int interpolation, int extension) {
+    uvec4 image = texelFetch(images, texel_at(index), 0);
+    vec2 place = uv * vec2(image.yz);
+    vec4 value;
+    if (interpolation == CLOSEST) {
+        ivec2 i = ivec2(floor(place));
+        value = image_texel(image, i.x, i.y, extension);
+    } else {
+        ivec2 i = ivec2(floor(place - 0.5));
+        vec2 f = place - 0.5 - vec2(i);
+        value = mix(mix(image_texel(image, i.x, i.y, extension), image_texel(image, i.x + 1, i.y, extension), f.x),
+                    mix(image_texel(image, i.x, i.y + 1, extension), image_texel(image, i.x + 1, i.y + 1, extension), f.x),
+                    f.y);
+    }
+    if ((int(image.w) & IMAGE_SRGB) != 0)
+        value.rgb = vec3(decode_srgb(value.r), decode_srgb(value.g), decode_srgb(value.b));
+    return value;
+}

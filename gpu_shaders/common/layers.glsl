@@ -1,0 +1,128 @@
+// The nearest triangle along a ray, by layered depth textures whose texels hold triangles
+// (addon/tracing/layers.py): a walk over the instances' boxes, then along each axis' columns.
+
+#include "common/scene.glsl"
+
+uniform sampler2D hierarchy;      // 2 texels a node: low, next on a miss | high, instance or NONE
+uniform int hierarchy_nodes;
+uniform usampler2D layer_nodes;   // 1 texel a block of columns: slices (2 words), first entry, entries
+uniform usampler2D layer_entries; // 1 texel an entry: triangle
+uniform usampler2D layer_grids;   // 3 texels a mesh, 1 an axis: columns along u and v, levels, coarsest node
+
+const float SLICES = 64.0;
+const float NUDGE = 2e-3;  // columns: past a border, less than triangles are widened
+
+// The part of a ray within a box: from `start` metres along the ray, `end` metres long.
+struct Segment {
+    vec3 origin, direction;
+    float start, end;
+};
+
+vec2 box_span(vec3 origin, vec3 inverse, vec3 low, vec3 high) {
+    vec3 a = (low - origin) * inverse, b = (high - origin) * inverse;
+    vec3 near = min(a, b), far = max(a, b);
+    return vec2(max(max(near.x, near.y), near.z), min(min(far.x, far.y), far.z));
+}
+
+vec3 safe_inverse(vec3 v) {
+    vec3 tiny = vec3(1e-30);
+    return 1.0 / mix(v, mix(tiny, -tiny, lessThan(v, vec3(0.0))), lessThan(abs(v), tiny));
+}
+
+uint bits_between(int first, int last) {
+    first = max(first, 0);
+    last = min(last, 31);
+    return first > last ? 0u : (0xffffffffu >> (31 - last + first)) << first;
+}
+
+bool occupied(uvec2 words, float depth_a, float depth_b) {
+    int first = int(floor(min(depth_a, depth_b) - 1e-3)), last = int(floor(max(depth_a, depth_b) + 1e-3));
+    return ((words.x & bits_between(first, last)) | (words.y & bits_between(first - 32, last - 32))) != 0u;
+}
+
+// Tests the triangles of one column against the ray, given in the mesh's space from its box on.
+void meet_entries(uvec4 column, Segment ray, float least, int instance, Hit from, inout Hit hit) {
+    for (uint i = 0u; i < column.w; ++i) {
+        int triangle = int(texelFetch(layer_entries, texel_at(int(column.z + i)), 0).x);
+        vec3 met = meet_plane(ray.origin, ray.direction, triangle_at(triangle));
+        float distance = ray.start + met.z;
+        bool inside = met.x >= -1e-6 && met.y >= -1e-6 && met.x + met.y <= 1.000001;
+        if (inside && distance > least && distance < hit.distance
+            && !(instance == from.instance && triangle == from.triangle))
+            hit = Hit(instance, triangle, met.xy, distance);
+    }
+}
+
+int blocks_at(ivec2 shape, int level) {
+    ivec2 blocks = (shape + (1 << level) - 1) >> level;
+    return blocks.x * blocks.y;
+}
+
+// Walks the columns of one axis from the coarsest level. `grid` is columns along u and v, levels and
+// coarsest node; `local` the ray with u and v in columns and depth in slices. Both count distance from
+// the box on.
+void walk_columns(ivec4 grid, Segment local, Segment ray, float least, int instance, Hit from, inout Hit hit) {
+    ivec2 shape = grid.xy;
+    int top = grid.z - 1, level = top, first_node = grid.w;
+    vec2 inverse = safe_inverse(local.direction).xy;
+    vec2 forward = vec2(greaterThanEqual(local.direction.xy, vec2(0.0)));
+    vec2 nudge = NUDGE * sign(local.direction.xy);
+    float at = 0.0;
+    while (at < local.end && ray.start + at < hit.distance) {
+        vec2 place = clamp(local.origin.xy + at * local.direction.xy + nudge, vec2(0.0), vec2(shape) - 0.5);
+        ivec2 block = ivec2(place) >> level;
+        vec2 leaves = ((vec2(block) + forward) * float(1 << level) - local.origin.xy) * inverse;
+        float next = max(min(min(leaves.x, leaves.y), local.end), at);
+        int row = (shape.x + (1 << level) - 1) >> level;
+        uvec4 node = texelFetch(layer_nodes, texel_at(first_node + block.x + row * block.y), 0);
+        vec2 depth = local.origin.z + vec2(at, next) * local.direction.z;
+        if (occupied(node.xy, depth.x, depth.y)) {
+            if (level > 0) {
+                first_node -= blocks_at(shape, --level);
+                continue;
+            }
+            meet_entries(node, ray, least, instance, from, hit);
+        }
+        if (next >= local.end) return;
+        ivec2 after = ivec2(local.origin.xy + next * local.direction.xy + nudge) >> level;
+        if (level < top && after >> 1 != block >> 1) first_node += blocks_at(shape, level++);
+        at = next + 1e-6 * next;
+    }
+}
+
+void meet_instance(Ray world, int instance, float least, Hit from, inout Hit hit) {
+    mat4x3 inward = world_to_object(instance);
+    vec4 low = instance_texel(instance, 7), size = instance_texel(instance, 8);
+    vec3 origin = inward * vec4(world.origin, 1.0), direction = mat3(inward) * world.direction;
+    vec2 span = box_span(origin, safe_inverse(direction), low.xyz, low.xyz + size.xyz);
+    span = vec2(max(span.x, 0.0), min(span.y, hit.distance));
+    if (span.x >= span.y) return;
+    Segment ray = Segment(origin + span.x * direction, direction, span.x, span.y - span.x);
+    vec3 unit_origin = (ray.origin - low.xyz) / size.xyz, unit_direction = direction / size.xyz;
+    for (int axis = 0; axis < 3; ++axis) {
+        ivec4 grid = ivec4(texelFetch(layer_grids, texel_at(3 * int(low.w) + axis), 0));
+        vec3 scale = vec3(grid.xy, SLICES), o = unit_origin, d = unit_direction;
+        o = axis == 0 ? o.yzx : axis == 1 ? o.zxy : o;
+        d = axis == 0 ? d.yzx : axis == 1 ? d.zxy : d;
+        Segment local = Segment(scale * o, scale * d, 0.0, ray.end);
+        walk_columns(grid, local, ray, least, instance, from, hit);
+    }
+}
+
+// The nearest hit of `ray` within `reach` metres; `from` is the point it leaves, never met again.
+Hit nearest_hit(Ray ray, Hit from, float reach) {
+    Hit hit = Hit(NONE, NONE, vec2(0.0), reach);
+    vec3 inverse = safe_inverse(ray.direction);
+    float least = 1e-5 * (1.0 + length(ray.origin));
+    for (int node = 0; node < hierarchy_nodes;) {
+        vec4 low = texelFetch(hierarchy, texel_at(2 * node), 0), high = texelFetch(hierarchy, texel_at(2 * node + 1), 0);
+        vec2 span = box_span(ray.origin, inverse, low.xyz, high.xyz);
+        if (span.x > span.y || span.y < 0.0 || span.x > hit.distance) {
+            node = int(low.w);
+        } else {
+            if (high.w >= 0.0) meet_instance(ray, int(high.w), least, from, hit);
+            ++node;
+        }
+    }
+    return hit;
+}

@@ -1,0 +1,24 @@
+// What a full-screen pass knows of its pixel: the ray through it and the triangle that the
+// visibility pass found there.
+
+#include "common/camera.glsl"
+#include "common/lighting.glsl"
+
+uniform usampler2D visibility;
+
+const float FAR = 1e30;
+
+Ray pixel_ray() {
+    return camera_ray(gl_FragCoord.xy / vec2(textureSize(visibility, 0)));
+}
+
+// `instance` is NONE where the pixel shows the world.
+Hit pixel_hit(Ray ray) {
+    uvec2 seen = texelFetch(visibility, ivec2(gl_FragCoord.xy), 0).xy;
+    if (seen.x == 0u) return Hit(NONE, NONE, vec2(0.0), FAR);
+    int instance = int(seen.x) - 1, triangle = int(seen.y);
+    mat4x3 inward = world_to_object(instance);
+    vec3 met = meet_plane(inward * vec4(ray.origin, 1.0), mat3(inward) * ray.direction, triangle_at(triangle));
+    // A pixel that the rasteriser gave to a triangle may lie a rounding outside it.
+    return Hit(instance, triangle, clamp(met.xy, 0.0, 1.0), met.z);
+}

@@ -1,0 +1,27 @@
+// The frame of a reflection pass. A method's shader includes this and defines `mirrored_light`.
+
+#include "common/picture.glsl"
+
+uniform float weight;  // of this sample in the pixel
+
+layout(location = 0) out vec4 color;
+layout(location = 1) out float distance_to_hit;
+
+struct Mirrored {
+    vec3 radiance;   // what the viewer sees in the surface, its reflectance counted in
+    float distance;  // metres from the surface to what is seen; FAR for the world
+};
+
+// `from` is the point on the reflector, `s` its surface, `ray` the viewer's ray to it.
+Mirrored mirrored_light(Surface s, Hit from, Ray ray);
+
+void main() {
+    Ray ray = pixel_ray();
+    Hit hit = pixel_hit(ray);
+    if (hit.instance == NONE || !is_reflector(hit.instance)) discard;
+    Surface s = surface_at(hit, ray.direction);
+    if (!s.reflects) discard;
+    Mirrored mirrored = mirrored_light(s, hit, ray);
+    color = weight * vec4(mirrored.radiance, 0.0);
+    distance_to_hit = mirrored.distance;
+}

@@ -1,0 +1,72 @@
+// The scene's tables (addon/drawing/tables.py) and what a ray meets in it.
+
+#include "common/data.glsl"
+
+uniform sampler2D positions;       // 3 texels a triangle: corner xyz; w of the first: material slot
+uniform sampler2D corners;         // 6 texels a triangle, 2 a corner: normal xyz, u | v, lightmap uv, -
+uniform sampler2D vertex_colors;   // 3 texels a triangle: linear RGBA
+uniform sampler2D instances;       // 9 texels an instance, see below
+uniform sampler2D materials;       // 5 texels a material, see material.glsl
+uniform usampler2D images;         // 1 texel an image: offset, width, height, flags
+
+const int NONE = -1;
+
+struct Ray {
+    vec3 origin;
+    vec3 direction;  // unit length, so that distances are metres
+};
+
+// A point on a triangle of an instance. `instance` is NONE where the ray leaves the scene.
+struct Hit {
+    int instance;
+    int triangle;
+    vec2 barycentric;  // weights of the second and third corner
+    float distance;    // metres
+};
+
+struct Triangle {
+    vec3 a, b, c;
+};
+
+Triangle triangle_at(int triangle) {
+    return Triangle(texelFetch(positions, texel_at(3 * triangle), 0).xyz,
+                    texelFetch(positions, texel_at(3 * triangle + 1), 0).xyz,
+                    texelFetch(positions, texel_at(3 * triangle + 2), 0).xyz);
+}
+
+int slot_of(int triangle) {
+    return int(texelFetch(positions, texel_at(3 * triangle), 0).w);
+}
+
+vec4 instance_texel(int instance, int offset) {
+    return texelFetch(instances, texel_at(9 * instance + offset), 0);
+}
+
+// Affine maps are stored as three rows.
+mat4x3 object_to_world(int instance) {
+    return transpose(mat3x4(instance_texel(instance, 0), instance_texel(instance, 1), instance_texel(instance, 2)));
+}
+
+mat4x3 world_to_object(int instance) {
+    return transpose(mat3x4(instance_texel(instance, 3), instance_texel(instance, 4), instance_texel(instance, 5)));
+}
+
+int first_material_of(int instance) {
+    return int(instance_texel(instance, 6).x);
+}
+
+bool is_reflector(int instance) {
+    return instance_texel(instance, 6).y > 0.0;
+}
+
+int lightmap_of(int instance) {
+    return int(instance_texel(instance, 6).z);
+}
+
+// Intersection of a ray with a triangle's plane (Möller and Trumbore 1997): barycentrics and distance.
+vec3 meet_plane(vec3 origin, vec3 direction, Triangle t) {
+    vec3 ab = t.b - t.a, ac = t.c - t.a, to_origin = origin - t.a;
+    vec3 p = cross(direction, ac), q = cross(to_origin, ab);
+    float inverse = 1.0 / dot(ab, p);
+    return inverse * vec3(dot(to_origin, p), dot(direction, q), dot(ac, q));
+}
