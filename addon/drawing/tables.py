@@ -88,11 +88,13 @@ def _instances_and_materials(scene: Scene, layers: Sequence[Layers]) -> tuple[np
             first[instance.materials] = len(order)
             order.extend(instance.materials)
     rows = np.zeros((max(1, len(scene.instances)), 9, 4), np.float32)
+    reflector = 0
     for row, instance in zip(rows, scene.instances, strict=False):
         row[0:3] = instance.matrix[:3]
         row[3:6] = np.linalg.inv(instance.matrix)[:3]
         lightmap = _NONE if instance.lightmap is None else instance.lightmap
-        row[6, :3] = first[instance.materials], instance.reflector, lightmap
+        row[6] = first[instance.materials], instance.reflector, lightmap, reflector
+        reflector += instance.reflector
         row[7] = (*layers[instance.mesh].low, instance.mesh)
         row[8, :3] = layers[instance.mesh].size
     materials = [_material(scene.materials[index]) for index in order] or [np.zeros((5, 4), np.float32)]

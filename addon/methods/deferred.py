@@ -6,9 +6,9 @@ from typing import ClassVar
 import moderngl
 import numpy as np
 
-from ..drawing import FREE_UNIT, Resident, Visibility, set_camera, world_to_clip
+from ..drawing import Resident, Visibility, screen_pass, world_to_clip
 from ..errors import MachineError, UsageError
-from ..gl import median_ms, on_gl_thread, program, require, screen
+from ..gl import median_ms, on_gl_thread, require
 from ..progress import Progress, silent
 from ..scene import Lighting, Scene
 from .contract import Frame, Method, View
@@ -30,16 +30,15 @@ class DeferredMethod(Method):
         self.scene = scene
         self.resident = Resident(scene, lighting)
         self.bake(progress)
-        self._lit = program(None, "lit/lit.frag")
-        self._reflection = program(None, self.shader)
-        self._screens = {shader: screen(shader) for shader in (self._lit, self._reflection)}
+        self._lit = screen_pass("lit/lit.frag")
+        self._reflection = screen_pass(self.shader)
 
     def bake(self, progress: Progress) -> None:
         """Bake what the reflections need; on the GL thread, with `self.resident` at hand."""
 
     @abstractmethod
     def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
-        """Set the uniforms and textures (from unit FREE_UNIT + 1) of the reflection pass."""
+        """Set the uniforms and textures (from unit FREE_UNIT + 1 on) of the reflection pass."""
 
     def before_frame(self, view: View) -> None:
         """What the method draws anew for every frame, before the reflections; counted in their time."""
@@ -74,30 +73,21 @@ class DeferredMethod(Method):
 
     def _draw(self, view, visibility, target, offset=(0.0, 0.0), weight=1.0) -> None:
         visibility.draw(self.resident, world_to_clip(view.camera, view.width, view.height, offset))
-        self._pass(self._lit, view, visibility, target, offset, weight)
-        self._reflect(view, visibility, target, offset, weight)
+        self._lit.draw(self.resident, view.camera, visibility, target, offset=offset, weight=weight)
+        self._reflect(view, visibility, target, offset=offset, weight=weight)
 
-    def _reflect(self, view, visibility, target, offset=(0.0, 0.0), weight=1.0, blend=True) -> None:
+    def _reflect(self, view, visibility, target, **sample) -> None:
         self.before_frame(view)
-        self.bind_reflection(self._reflection, view)
-        self._pass(self._reflection, view, visibility, target, offset, weight, blend)
+        self.bind_reflection(self._reflection.shader, view)
+        self._reflection.draw(self.resident, view.camera, visibility, target, **sample)
 
-    def _pass(self, shader, view, visibility, target, offset, weight, blend=True) -> None:
-        context = require()
-        target.use()
-        context.viewport = (0, 0, view.width, view.height)
-        context.enable_only(moderngl.BLEND if blend else moderngl.NOTHING)
-        context.blend_func = moderngl.ONE, moderngl.ONE
-        self.resident.bind(shader)
-        set_camera(shader, view.camera, view.width, view.height, offset)
-        visibility.texture.use(FREE_UNIT)
-        shader["visibility"] = FREE_UNIT
-        shader["weight"] = weight
-        self._screens[shader].render(vertices=3)
+    def free(self) -> None:
+        """Give back what `bake` took; on the GL thread."""
 
     @on_gl_thread
     def release(self) -> None:
         """Give the GPU memory back."""
+        self.free()
         self.resident.release()
 
 

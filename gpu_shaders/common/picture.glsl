@@ -5,16 +5,17 @@
 #include "common/lighting.glsl"
 
 uniform usampler2D visibility;
+uniform ivec2 corner;  // where the picture begins in its target, in pixels
 
 const float FAR = 1e30;
 
 Ray pixel_ray() {
-    return camera_ray(gl_FragCoord.xy / vec2(textureSize(visibility, 0)));
+    return camera_ray((gl_FragCoord.xy - vec2(corner)) / vec2(textureSize(visibility, 0)));
 }
 
 // `instance` is NONE where the pixel shows the world.
 Hit pixel_hit(Ray ray) {
-    uvec2 seen = texelFetch(visibility, ivec2(gl_FragCoord.xy), 0).xy;
+    uvec2 seen = texelFetch(visibility, ivec2(gl_FragCoord.xy) - corner, 0).xy;
     if (seen.x == 0u) return Hit(NONE, NONE, vec2(0.0), FAR);
     int instance = int(seen.x) - 1, triangle = int(seen.y);
     mat4x3 inward = world_to_object(instance);

@@ -59,6 +59,11 @@ bool is_reflector(int instance) {
     return instance_texel(instance, 6).y > 0.0;
 }
 
+// Counts the reflectors, in the order of their instances.
+int reflector_of(int instance) {
+    return int(instance_texel(instance, 6).w);
+}
+
 int lightmap_of(int instance) {
     return int(instance_texel(instance, 6).z);
 }

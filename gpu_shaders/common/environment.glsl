@@ -1,0 +1,22 @@
+// Captured cubes (addon/baking/environment.py): a row of six faces for each reflector, each with a
+// border of one texel, so that bilinear filtering is right at the edges.
+
+#include "common/data.glsl"
+
+uniform sampler2D environment;
+uniform sampler2D captures;       // 3 texels a reflector: centre | low | high corner of the box around the scene
+uniform float environment_size;   // texels along a face
+
+vec3 capture_texel(int reflector, int offset) {
+    return texelFetch(captures, texel_at(3 * reflector + offset), 0).xyz;
+}
+
+vec3 environment_radiance(int reflector, vec3 direction) {
+    vec3 size = abs(direction);
+    int axis = size.x >= size.y && size.x >= size.z ? 0 : size.y >= size.z ? 1 : 2;
+    float side = direction[axis] < 0.0 ? -1.0 : 1.0;
+    vec2 place = vec2(-side * direction[(axis + 1) % 3], direction[(axis + 2) % 3]) / size[axis];
+    vec2 face = vec2(2 * axis + (side < 0.0 ? 1 : 0), reflector);
+    vec2 texel = face * environment_size + 1.0 + (environment_size - 2.0) * (0.5 + 0.5 * place);
+    return textureLod(environment, texel / vec2(textureSize(environment, 0)), 0.0).rgb;
+}

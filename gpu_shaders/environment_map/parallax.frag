@@ -1,0 +1,15 @@
+// Box-projected environment mapping (Lagarde and Zanuttini 2012): the ray goes on to a box around the
+// scene, and the cube is looked up towards the point it meets there.
+
+#include "common/reflection.glsl"
+#include "common/environment.glsl"
+
+Mirrored mirrored_light(Surface s, Hit from, Ray ray) {
+    int reflector = reflector_of(from.instance);
+    vec3 direction = reflect(ray.direction, s.normal);
+    vec3 ahead = mix(capture_texel(reflector, 1), capture_texel(reflector, 2), greaterThan(direction, vec3(0.0)));
+    vec3 reach = (ahead - s.position) / mix(direction, vec3(1e-20), equal(direction, vec3(0.0)));
+    float distance = max(0.0, min(min(reach.x, reach.y), reach.z));
+    vec3 towards = s.position + distance * direction - capture_texel(reflector, 0);
+    return Mirrored(reflectance(s, ray.direction) * environment_radiance(reflector, towards), distance);
+}
