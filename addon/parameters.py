@@ -30,8 +30,10 @@ class Parameter:
         """`value` (a string from the command line, or a number) as this parameter's type, checked."""
         try:
             parsed = _parse_bool(value) if isinstance(self.default, bool) else type(self.default)(value)
-        except (TypeError, ValueError):
+        except (TypeError, ValueError, OverflowError):
             raise UsageError(f"{self.name}: {value!r} is not a {type(self.default).__name__}") from None
+        if parsed != parsed:
+            raise UsageError(f"{self.name}: {value!r} is not a number")
         if self.choices and parsed not in self.choices:
             raise UsageError(f"{self.name}: {value!r} is none of {', '.join(self.choices)}")
         if self.minimum is not None and parsed < self.minimum:
