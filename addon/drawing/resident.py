@@ -5,11 +5,12 @@ import numpy as np
 
 from ..gl import DataTexture, program, require
 from ..scene import Lighting, Scene
+from .lamps import world_light
 from .tables import tables_of
 
 _LIGHTING = {Lighting.UNLIT: 0, Lighting.CYCLES: 1, Lighting.DIRECT: 2}
 
-FREE_UNIT = 12
+FREE_UNIT = 13
 """The first texture unit that a method may use for itself."""
 
 
@@ -19,10 +20,11 @@ class Resident:
     def __init__(self, scene: Scene, lighting: Lighting) -> None:
         """Upload everything; raises `MachineError` where the GPU cannot hold it."""
         self.scene = scene
-        self._lighting = lighting
+        self.lighting = lighting
         tables = tables_of(scene)
         self._panorama = tables.panorama
         self._hierarchy_nodes = len(tables.arrays["hierarchy"]) // 2
+        self._world_light = world_light(scene.world)
         self._textures = {name: DataTexture(array) for name, array in tables.arrays.items()}
         self._first_triangle = tables.first_triangle
         self._visibility = program("visibility/visibility.vert", "visibility/visibility.frag")
@@ -41,10 +43,12 @@ class Resident:
                 texture.use(unit)
                 shader[name] = unit
         uniforms = {
-            "lighting": _LIGHTING[self._lighting],
+            "lighting": _LIGHTING[self.lighting],
             "world_color": self.scene.world.color,
             "world_panorama": self._panorama,
             "hierarchy_nodes": self._hierarchy_nodes,
+            "lamp_count": len(self.scene.lamps),
+            "world_light_sh": [tuple(row) for row in self._world_light],
         }
         for name, value in uniforms.items():
             if name in shader:

@@ -7,6 +7,7 @@ import numpy as np
 
 from ..scene import ColorSource, Image, Instance, Material, Mesh, Scene
 from ..tracing import Layers, build_hierarchy, build_layers
+from .lamps import lamp_rows
 
 _BYTES, _SRGB = 1, 2
 _NONE = -1
@@ -41,6 +42,7 @@ def tables_of(scene: Scene) -> Tables:
         **_images(images),
         **_layers(layers, first_triangle),
         "hierarchy": _hierarchy(scene),
+        "lamps": lamp_rows(scene.lamps),
     }
     return Tables(arrays, first_triangle, panorama)
 

@@ -40,9 +40,10 @@ vec4 image_at(int index, vec2 uv, int interpolation, int extension) {
     } else {
         ivec2 i = ivec2(floor(place - 0.5));
         vec2 f = place - 0.5 - vec2(i);
-        value = mix(mix(image_texel(image, i.x, i.y, extension), image_texel(image, i.x + 1, i.y, extension), f.x),
-                    mix(image_texel(image, i.x, i.y + 1, extension), image_texel(image, i.x + 1, i.y + 1, extension), f.x),
-                    f.y);
+        vec4 below = mix(image_texel(image, i.x, i.y, extension), image_texel(image, i.x + 1, i.y, extension), f.x);
+        ++i.y;
+        vec4 above = mix(image_texel(image, i.x, i.y, extension), image_texel(image, i.x + 1, i.y, extension), f.x);
+        value = mix(below, above, f.y);
     }
     if ((int(image.w) & IMAGE_SRGB) != 0)
         value.rgb = vec3(decode_srgb(value.r), decode_srgb(value.g), decode_srgb(value.b));

@@ -115,7 +115,8 @@ Hit nearest_hit(Ray ray, Hit from, float reach) {
     vec3 inverse = safe_inverse(ray.direction);
     float least = 1e-5 * (1.0 + length(ray.origin));
     for (int node = 0; node < hierarchy_nodes;) {
-        vec4 low = texelFetch(hierarchy, texel_at(2 * node), 0), high = texelFetch(hierarchy, texel_at(2 * node + 1), 0);
+        vec4 low = texelFetch(hierarchy, texel_at(2 * node), 0);
+        vec4 high = texelFetch(hierarchy, texel_at(2 * node + 1), 0);
         vec2 span = box_span(ray.origin, inverse, low.xyz, high.xyz);
         if (span.x > span.y || span.y < 0.0 || span.x > hit.distance) {
             node = int(low.w);

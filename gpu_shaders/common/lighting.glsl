@@ -2,6 +2,7 @@
 
 #include "common/surface.glsl"
 #include "common/world.glsl"
+#include "common/lamps.glsl"
 
 const int UNLIT = 0, LIGHTMAPS = 1, DIRECT = 2;
 
@@ -9,7 +10,9 @@ uniform int lighting;
 
 vec3 scattered(Surface s) {
     if (lighting == UNLIT) return s.emits ? vec3(0.0) : s.base * (s.reflects ? s.diffuse : 1.0);
-    vec3 irradiance = s.lightmap == NONE ? vec3(0.0) : image_at(s.lightmap, s.lightmap_uv, LINEAR, EXTEND).rgb;
+    vec3 irradiance = vec3(0.0);
+    if (lighting == DIRECT) irradiance = lamp_light(s) + world_light(s.normal);
+    else if (s.lightmap != NONE) irradiance = image_at(s.lightmap, s.lightmap_uv, LINEAR, EXTEND).rgb;
     return s.base * s.diffuse * irradiance;
 }
 

@@ -3,8 +3,10 @@
 #include "common/image.glsl"
 
 const int FRESNEL_CONSTANT = 0, FRESNEL_SCHLICK = 1, FRESNEL_DIELECTRIC = 2;
+const int VERTEX_COLORS = 8;
 
 struct Surface {
+    Hit at;
     vec3 position;
     vec3 normal;      // shading normal, on the viewer's side
     vec3 flat_normal; // of the triangle, on the viewer's side
@@ -25,7 +27,7 @@ vec4 material_texel(int material, int offset) {
 vec3 color_of(vec3 factor, float image, float flags, vec2 uv, vec3 vertex_color) {
     int bits = int(flags);
     if (image >= 0.0) factor *= image_at(int(image), uv, bits & 1, (bits >> 1) & 3).rgb;
-    return (bits & 8) != 0 ? factor * vertex_color : factor;
+    return (bits & VERTEX_COLORS) != 0 ? factor * vertex_color : factor;
 }
 
 // Cycles lifts a reflected ray that an interpolated normal would send under the true surface: the
@@ -44,8 +46,15 @@ vec3 normal_that_reflects(vec3 normal, vec3 flat_normal, vec3 view) {
     return cos(angle) * flat_normal + sin(angle) * across;
 }
 
+vec3 vertex_color_at(int triangle, vec3 weight) {
+    vec3 sum = vec3(0.0);
+    for (int i = 0; i < 3; ++i) sum += weight[i] * texelFetch(vertex_colors, texel_at(3 * triangle + i), 0).rgb;
+    return sum;
+}
+
 Surface surface_at(Hit hit, vec3 direction) {
     Surface s;
+    s.at = hit;
     Triangle t = triangle_at(hit.triangle);
     vec3 weight = vec3(1.0 - hit.barycentric.x - hit.barycentric.y, hit.barycentric);
     vec4 data[6];
@@ -69,10 +78,8 @@ Surface surface_at(Hit hit, vec3 direction) {
     vec4 base = material_texel(material, 0), emission = material_texel(material, 1);
     vec4 reflection = material_texel(material, 2), sources = material_texel(material, 3);
     vec4 flags = material_texel(material, 4);
-    vec3 tint = vec3(1.0);
-    if (((int(flags.x) | int(flags.y) | int(flags.z)) & 8) != 0)
-        for (int i = 0; i < 3; ++i)
-            tint = (i == 0 ? vec3(0.0) : tint) + weight[i] * texelFetch(vertex_colors, texel_at(3 * hit.triangle + i), 0).rgb;
+    bool tinted = ((int(flags.x) | int(flags.y) | int(flags.z)) & VERTEX_COLORS) != 0;
+    vec3 tint = tinted ? vertex_color_at(hit.triangle, weight) : vec3(1.0);
     s.base = color_of(base.rgb, sources.x, flags.x, uv, tint);
     s.emission = color_of(emission.rgb, sources.y, flags.y, uv, tint);
     s.reflection = color_of(reflection.rgb, sources.z, flags.z, uv, tint);
