@@ -1,0 +1,1 @@
+"""The command line: from scene files to compared pictures, without a window."""

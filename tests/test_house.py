@@ -170,6 +170,15 @@ def test_setuptools_packages_are_the_tree():
     assert declared == sorted(declared)
 
 
+def test_every_other_file_of_the_package_ships_with_it():
+    patterns = tomllib.loads((ROOT / "pyproject.toml").read_text())["tool"]["setuptools"]["package-data"]["catoptric"]
+    shipped = {path for pattern in patterns for path in ROOT.glob(pattern)}
+    folders = [ROOT / name for name in ("addon", "batch", "gpu_shaders", "scenes")]
+    beside = [path for folder in folders for path in folder.rglob("*") if path.is_file()]
+    kept_out = re.compile(r"\.(py|pyc|md|blend\d)$")
+    assert [name_of(path) for path in beside if not kept_out.search(path.name) and path not in shipped] == []
+
+
 @pytest.mark.parametrize("path", [*python_files(), *shader_files()], ids=name_of)
 def test_file_is_one_idea(path):
     lines = path.read_text(encoding="utf-8").splitlines()
