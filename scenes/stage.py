@@ -1,0 +1,206 @@
+"""What every demonstration scene is put together from: meshes, materials, lamps, sky, camera, file."""
+
+import os
+import shutil
+import tempfile
+from pathlib import Path
+
+import bpy
+import numpy as np
+import OpenImageIO as oiio
+from mathutils import Vector
+
+from . import pictures, shapes
+
+SUN_ANGLE = 0.03  # radians: wider than the real sun, so that shadows have a soft rim
+
+
+def clear() -> None:
+    """Begin an empty file with the render settings that all scenes share."""
+    bpy.ops.wm.read_factory_settings(use_empty=True)
+    scene = bpy.context.scene
+    scene.render.engine = "CYCLES"
+    scene.render.resolution_x, scene.render.resolution_y = 768, 512
+    scene.render.filepath = "//"
+    scene.view_settings.view_transform = "Standard"
+    scene.cycles.samples = 64
+    scene.cycles.use_adaptive_sampling = False
+    scene.cycles.use_denoising = False
+    scene.cycles.seed = 0
+
+
+def save(path: Path) -> None:
+    """Save the file, compressed, at `path`: written beside it first, so that an old one stays whole."""
+    bpy.data.orphans_purge(do_recursive=True)
+    with tempfile.TemporaryDirectory() as folder:  # the file keeps the path it was saved at
+        draft = Path(folder, path.name)
+        bpy.ops.wm.save_as_mainfile(filepath=str(draft), compress=True, check_existing=False)
+        beside = path.with_suffix(".part")
+        shutil.copyfile(draft, beside)
+    os.replace(beside, path)
+
+
+def put(name: str, shape: shapes.Shape, material, location=(0, 0, 0), turned=(0, 0, 0), smooth=True):
+    """An object of `shape`, rotated by XYZ Euler angles in degrees. Returns it."""
+    faces = [[corner for corner in face if corner >= 0] for face in shape.faces.tolist()]
+    mesh = bpy.data.meshes.new(name)
+    mesh.from_pydata(shape.points.tolist(), [], faces)
+    layer = mesh.uv_layers.new(name="UVMap")
+    layer.data.foreach_set("uv", shape.uvs[shape.faces >= 0].astype(np.float32).ravel())
+    mesh.polygons.foreach_set("use_smooth", np.full(len(faces), smooth))
+    mesh.update()
+    if mesh.validate(verbose=False):
+        raise ValueError(f"the faces of '{name}' are not a proper mesh")
+    return place(name, mesh, material, location, turned)
+
+
+def place(name: str, mesh, material, location=(0, 0, 0), turned=(0, 0, 0)):
+    """An object of a Blender mesh, given `material`. Returns it."""
+    if material.name not in mesh.materials:
+        mesh.materials.append(material)
+    thing = bpy.data.objects.new(name, mesh)
+    thing.location = location
+    thing.rotation_euler = np.radians(turned)
+    bpy.context.collection.objects.link(thing)
+    return thing
+
+
+def subdivide(thing, levels: int) -> None:
+    """Catmull-Clark subdivision, the same in the viewport and in renders."""
+    modifier = thing.modifiers.new("Subdivision", "SUBSURF")
+    modifier.levels = modifier.render_levels = levels
+
+
+def _material(name: str, code: str):
+    """A new material and its Principled node; `code` is also its colour in the viewport."""
+    material = bpy.data.materials.new(name)
+    material.use_nodes = True
+    material.diffuse_color = (*pictures.linear(code), 1.0)
+    node = next(node for node in material.node_tree.nodes if node.type == "BSDF_PRINCIPLED")
+    node.inputs["Base Color"].default_value = (*pictures.linear(code), 1.0)
+    return material, node
+
+
+def matte(name: str, code: str = "#cccccc", picture: np.ndarray | None = None):
+    """A material that only scatters light: a "#rrggbb" colour, or a painted image texture."""
+    material, node = _material(name, code)
+    node.inputs["Roughness"].default_value = 1.0
+    node.inputs["Specular IOR Level"].default_value = 0.0
+    if picture is not None:
+        texture = material.node_tree.nodes.new("ShaderNodeTexImage")
+        texture.image = _byte_image(name, picture)
+        material.node_tree.links.new(texture.outputs["Color"], node.inputs["Base Color"])
+    return material
+
+
+def mirror(name: str, code: str = "#f5f5f5"):
+    """A perfect mirror: metal without roughness, tinted by its colour."""
+    material, node = _material(name, code)
+    material.metallic, material.roughness = 1.0, 0.0
+    node.inputs["Metallic"].default_value = 1.0
+    node.inputs["Roughness"].default_value = 0.0
+    return material
+
+
+def glowing(name: str, code: str, strength: float):
+    """A material that gives off light and scatters none."""
+    material, node = _material(name, code)
+    node.inputs["Base Color"].default_value = (0.0, 0.0, 0.0, 1.0)
+    node.inputs["Specular IOR Level"].default_value = 0.0
+    node.inputs["Emission Color"].default_value = (*pictures.linear(code), 1.0)
+    node.inputs["Emission Strength"].default_value = strength
+    return material
+
+
+def _byte_image(name: str, picture: np.ndarray):
+    """An sRGB image of 8 bits a channel, packed into the file."""
+    height, width = picture.shape[:2]
+    image = bpy.data.images.new(name, width, height)
+    pixels = np.ones((height, width, 4), dtype=np.float32)
+    pixels[..., :3] = np.clip(picture, 0.0, 1.0)
+    image.pixels.foreach_set(pixels.ravel())
+    image.pack()
+    return image
+
+
+def sky(settings: pictures.Sky, sun: float, strength: float = 1.0) -> None:
+    """The world: a painted panorama, packed as a small EXR, and a sun lamp of `sun` W/m² where its sun is."""
+    image = _panorama(settings.picture())
+    world = bpy.data.worlds.new("Sky")
+    bpy.context.scene.world = world
+    world.use_nodes = True
+    nodes, links = world.node_tree.nodes, world.node_tree.links
+    background = next(node for node in nodes if node.type == "BACKGROUND")
+    background.inputs["Strength"].default_value = strength
+    environment = nodes.new("ShaderNodeTexEnvironment")
+    environment.image = image
+    links.new(environment.outputs["Color"], background.inputs["Color"])
+    azimuth, elevation = np.radians([settings.azimuth, settings.elevation])
+    towards = [np.cos(azimuth) * np.cos(elevation), np.sin(azimuth) * np.cos(elevation), np.sin(elevation)]
+    lamp = _lamp("Sun", "SUN", sun, "#fff1dc", 10 * np.array(towards), (0, 0, 0))
+    lamp.data.angle = SUN_ANGLE
+
+
+def plain_world(code: str, strength: float) -> None:
+    """The world: one colour in every direction."""
+    world = bpy.data.worlds.new("Plain")
+    bpy.context.scene.world = world
+    world.use_nodes = True
+    background = next(node for node in world.node_tree.nodes if node.type == "BACKGROUND")
+    background.inputs["Color"].default_value = (*pictures.linear(code), 1.0)
+    background.inputs["Strength"].default_value = strength
+
+
+def _panorama(radiance: np.ndarray):
+    """A float image of (H, W, 3) scene-linear radiance, packed as a half-float EXR."""
+    height, width = radiance.shape[:2]
+    specification = oiio.ImageSpec(width, height, 3, "half")
+    specification.attribute("compression", "dwaa:45")
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, "sky.exr")
+        output = oiio.ImageOutput.create(str(file))
+        output.open(str(file), specification)
+        output.write_image(np.ascontiguousarray(radiance[::-1]))  # a file begins at the top
+        output.close()
+        data = file.read_bytes()
+    image = bpy.data.images.new("sky.exr", width, height, float_buffer=True)
+    image.pack(data=data, data_len=len(data))
+    image.source = "FILE"
+    image.colorspace_settings.name = "Linear Rec.709"
+    return image
+
+
+def _lamp(name: str, kind: str, power: float, code: str, location, target):
+    light = bpy.data.lights.new(name, kind)
+    light.energy = power
+    light.color = pictures.linear(code)
+    lamp = bpy.data.objects.new(name, light)
+    aim(lamp, location, target)
+    # A mirror would show the lamp itself; no real-time method draws lamps, so none here does.
+    lamp.visible_camera = lamp.visible_glossy = False
+    bpy.context.collection.objects.link(lamp)
+    return lamp
+
+
+def area_lamp(name: str, power: float, size: tuple[float, float], location, target, code: str = "#ffffff"):
+    """A rectangular lamp of `power` W and `size` metres at `location`, facing `target`. Returns it."""
+    lamp = _lamp(name, "AREA", power, code, location, target)
+    lamp.data.shape = "RECTANGLE"
+    lamp.data.size, lamp.data.size_y = size
+    return lamp
+
+
+def camera(location, target, lens: float) -> None:
+    """The scene's camera at `location`, looking at `target` through a lens of `lens` mm."""
+    data = bpy.data.cameras.new("Camera")
+    data.lens = lens
+    eye = bpy.data.objects.new("Camera", data)
+    aim(eye, location, target)
+    bpy.context.collection.objects.link(eye)
+    bpy.context.scene.camera = eye
+
+
+def aim(thing, location, target) -> None:
+    """Put a lamp or a camera at `location`, its -Z towards `target`, its +Y upwards."""
+    thing.location = location
+    thing.rotation_euler = (Vector(target) - Vector(location)).to_track_quat("-Z", "Y").to_euler()
