@@ -29,15 +29,18 @@ class ScreenPass:
         offset: tuple[float, float] = (0.0, 0.0),
         weight: float = 1.0,
         blend: bool = True,
+        on_reflectors: bool = False,
     ) -> None:
         """Add (or with `blend` off: write) `weight` times the pass's radiance to `target` from pixel `corner` on.
 
-        `offset` moves the sample within the pixel, as in the visibility pass.
+        `offset` moves the sample within the pixel, as in the visibility pass. `on_reflectors` spares all
+        other pixels; `target` then has `visibility.reflectors` for its depth, and a `depth_mask` of False.
         """
         context = require()
         target.use()
         context.viewport = (*corner, *visibility.size)
-        context.enable_only(moderngl.BLEND if blend else moderngl.NOTHING)
+        blending = moderngl.BLEND if blend else moderngl.NOTHING
+        context.enable_only(blending | (moderngl.DEPTH_TEST if on_reflectors else moderngl.NOTHING))
         context.blend_func = moderngl.ONE, moderngl.ONE
         resident.bind(self.shader)
         set_camera(self.shader, camera, *visibility.size, offset)
@@ -45,7 +48,10 @@ class ScreenPass:
         self.shader["visibility"] = FREE_UNIT
         self.shader["corner"] = corner
         self.shader["weight"] = weight
+        # The screen's triangle lies at depth 0.5, in front of the 1 and behind the 0 of the mask.
+        context.depth_func = ">"
         self._screen.render(vertices=3)
+        context.depth_func = "<"
 
 
 @cache

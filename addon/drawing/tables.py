@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scene import ColorSource, Image, Instance, Material, Mesh, Scene
-from ..tracing import Layers, build_hierarchy, build_layers
+from ..tracing import Layers, build_hierarchy, build_layers, is_convex
 from .lamps import lamp_rows
 
 _BYTES, _SRGB = 1, 2
@@ -90,6 +90,7 @@ def _instances_and_materials(scene: Scene, layers: Sequence[Layers]) -> tuple[np
             first[instance.materials] = len(order)
             order.extend(instance.materials)
     rows = np.zeros((max(1, len(scene.instances)), 9, 4), np.float32)
+    convex = [is_convex(mesh.positions, mesh.triangles) for mesh in scene.meshes]
     reflector = 0
     for row, instance in zip(rows, scene.instances, strict=False):
         row[0:3] = instance.matrix[:3]
@@ -98,7 +99,7 @@ def _instances_and_materials(scene: Scene, layers: Sequence[Layers]) -> tuple[np
         row[6] = first[instance.materials], instance.reflector, lightmap, reflector
         reflector += instance.reflector
         row[7] = (*layers[instance.mesh].low, instance.mesh)
-        row[8, :3] = layers[instance.mesh].size
+        row[8] = (*layers[instance.mesh].size, convex[instance.mesh])
     materials = [_material(scene.materials[index]) for index in order] or [np.zeros((5, 4), np.float32)]
     return rows.reshape(-1, 4), np.concatenate(materials)
 

@@ -3,13 +3,16 @@
 import moderngl
 import numpy as np
 
-from ..gl import require
+from ..gl import program, require, screen
 from ..scene import Camera
-from .resident import Resident
+from .resident import FREE_UNIT, Resident
 
 
 class Visibility:
-    """A picture of (instance + 1, triangle), (0, 0) where the world is seen. Lives on the GL thread."""
+    """A picture of (instance + 1, triangle), (0, 0) where the world is seen. Lives on the GL thread.
+
+    `reflectors` is a depth buffer of the same size for a target's attachment: 0 where a reflector shows.
+    """
 
     def __init__(self, width: int, height: int) -> None:
         """Make a target of `width` × `height` pixels."""
@@ -19,6 +22,10 @@ class Visibility:
         self.texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._depth = context.depth_renderbuffer(self.size)
         self._target = context.framebuffer([self.texture], self._depth)
+        self.reflectors = context.depth_renderbuffer(self.size)
+        self._mask = context.framebuffer([], self.reflectors)
+        self._mark = program(None, "visibility/reflectors.frag")
+        self._screen = screen(self._mark)
 
     def draw(self, resident: Resident, world_to_clip: np.ndarray, hidden: frozenset[int] = frozenset()) -> None:
         """Rasterise the scene; `hidden` instances are left out."""
@@ -29,9 +36,22 @@ class Visibility:
         context.enable_only(moderngl.DEPTH_TEST)
         resident.rasterise(world_to_clip, hidden)
 
+    def mark_reflectors(self, resident: Resident) -> None:
+        """Fill `reflectors` from what `draw` found."""
+        context = require()
+        self._mask.use()
+        context.viewport = (0, 0, *self.size)
+        context.enable_only(moderngl.DEPTH_TEST)
+        context.depth_func = "1"
+        resident.bind(self._mark)
+        self.texture.use(FREE_UNIT)
+        self._mark["visibility"] = FREE_UNIT
+        self._screen.render(vertices=3)
+        context.depth_func = "<"
+
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self._target, self.texture, self._depth):
+        for part in (self._target, self.texture, self._depth, self._mask, self.reflectors):
             part.release()
 
 

@@ -51,7 +51,9 @@ class DeferredMethod(Method):
         visibility = Visibility(*size)
         sums, once = (require().texture(size, 4, dtype="f4") for _ in range(2))
         distance = require().texture(size, 1, dtype="f4")
-        picture, probe = require().framebuffer([sums]), require().framebuffer([once, distance])
+        picture = require().framebuffer([sums], visibility.reflectors)
+        probe = require().framebuffer([once, distance], visibility.reflectors)
+        picture.depth_mask = probe.depth_mask = False  # neither a pass nor a clear may wipe the mask
         try:
             time_ms = self._time(view, visibility, picture)
             probe.clear(np.nan, np.nan, np.nan, np.nan)
@@ -73,13 +75,14 @@ class DeferredMethod(Method):
 
     def _draw(self, view, visibility, target, offset=(0.0, 0.0), weight=1.0) -> None:
         visibility.draw(self.resident, world_to_clip(view.camera, view.width, view.height, offset))
+        visibility.mark_reflectors(self.resident)
         self._lit.draw(self.resident, view.camera, visibility, target, offset=offset, weight=weight)
         self._reflect(view, visibility, target, offset=offset, weight=weight)
 
-    def _reflect(self, view, visibility, target, **sample) -> None:
+    def _reflect(self, view, visibility, target, on_reflectors=True, **sample) -> None:
         self.before_frame(view)
         self.bind_reflection(self._reflection.shader, view)
-        self._reflection.draw(self.resident, view.camera, visibility, target, **sample)
+        self._reflection.draw(self.resident, view.camera, visibility, target, on_reflectors=True, **sample)
 
     def free(self) -> None:
         """Give back what `bake` took; on the GL thread."""

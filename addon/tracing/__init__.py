@@ -1,7 +1,8 @@
 """Where rays meet the scene: acceleration structures built from plain triangles, with NumPy alone."""
 
+from .convexity import is_convex
 from .hierarchy import build as build_hierarchy
 from .layers import Grid, Layers
 from .layers import build as build_layers
 
-__all__ = ["Grid", "Layers", "build_hierarchy", "build_layers"]
+__all__ = ["Grid", "Layers", "build_hierarchy", "build_layers", "is_convex"]

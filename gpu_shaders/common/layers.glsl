@@ -109,11 +109,20 @@ void meet_instance(Ray world, int instance, float least, Hit from, inout Hit hit
     }
 }
 
+// The instance whose outside `ray` leaves for good, because its mesh is convex; NONE if there is none.
+int left_behind(Ray ray, Hit from) {
+    if (from.instance == NONE || instance_texel(from.instance, 8).w == 0.0) return NONE;
+    Triangle t = triangle_at(from.triangle);
+    vec3 direction = mat3(world_to_object(from.instance)) * ray.direction;
+    return dot(cross(t.b - t.a, t.c - t.a), direction) > 0.0 ? from.instance : NONE;
+}
+
 // The nearest hit of `ray` within `reach` metres; `from` is the point it leaves, never met again.
 Hit nearest_hit(Ray ray, Hit from, float reach) {
     Hit hit = Hit(NONE, NONE, vec2(0.0), reach);
     vec3 inverse = safe_inverse(ray.direction);
     float least = 1e-5 * (1.0 + length(ray.origin));
+    int skipped = left_behind(ray, from);
     for (int node = 0; node < hierarchy_nodes;) {
         vec4 low = texelFetch(hierarchy, texel_at(2 * node), 0);
         vec4 high = texelFetch(hierarchy, texel_at(2 * node + 1), 0);
@@ -121,7 +130,7 @@ Hit nearest_hit(Ray ray, Hit from, float reach) {
         if (span.x > span.y || span.y < 0.0 || span.x > hit.distance) {
             node = int(low.w);
         } else {
-            if (high.w >= 0.0) meet_instance(ray, int(high.w), least, from, hit);
+            if (high.w >= 0.0 && int(high.w) != skipped) meet_instance(ray, int(high.w), least, from, hit);
             ++node;
         }
     }
