@@ -62,18 +62,16 @@ def load(path: str | Path) -> Scene:
     """The `Scene` in the file at `path`. Raises `SceneError` if it is missing, damaged, foreign or too new."""
     path = Path(path)
     try:
-        archive = zipfile.ZipFile(path)
+        if not zipfile.is_zipfile(path) and path.stat():
+            raise SceneError(f"{path}: is not a {EXTENSION} archive, or is damaged; export the scene again")
+        with zipfile.ZipFile(path) as archive:
+            return _read(archive, path)
     except FileNotFoundError:
         raise SceneError(f"{path}: there is no such file") from None
-    except zipfile.BadZipFile:
-        raise SceneError(f"{path}: is not a {EXTENSION} archive, or is damaged; export the scene again") from None
-    except OSError as error:
-        raise SceneError(f"{path}: cannot be read ({error.strerror})") from None
-    with archive:
-        try:
-            return _read(archive, path)
-        except _DAMAGE:
-            raise SceneError(f"{path}: is damaged; export the scene again") from None
+    except PermissionError:
+        raise SceneError(f"{path}: may not be read") from None
+    except _DAMAGE:
+        raise SceneError(f"{path}: is damaged; export the scene again") from None
 
 
 def _write(scene: Scene, file: io.BufferedIOBase) -> None:
