@@ -1,0 +1,156 @@
+"""The command line."""
+
+import sys
+from collections.abc import Sequence
+from pathlib import Path
+from typing import Annotated
+
+import typer
+from typer.exceptions import TyperException
+
+from ..addon.errors import Cancelled, CatoptricError
+from ..addon.methods.registry import METHODS
+from ..addon.scene import Lighting
+from ..scenes import SCENES
+from . import jobs, tasks
+from .manual import print_methods
+from .options import PEERS, parse_frames, parse_names, parse_resolution, parse_settings
+from .progress import Terminal
+from .sources import locate
+
+WRONG, STOPPED = 2, 130
+"""Exit statuses: something in the input or the machine is wrong; stopped by Ctrl-C."""
+
+DEMONSTRATION = ("mirror-ball", "hollow-box", "genus3")
+"""What `compare` shows when no scene is named: three that end within four minutes on two cores."""
+
+SAMPLES = {Lighting.UNLIT: 64, Lighting.CYCLES: 256, Lighting.DIRECT: 128}
+"""Cycles' samples a pixel: without light, only edges are noisy."""
+
+app = typer.Typer(
+    help="Render reflections in real time and measure how far each technique is from Cycles. "
+    "SCENE is a .blend file, an archive that `export` wrote, or a scene that ships: " + ", ".join(SCENES) + ".",
+    no_args_is_help=True,
+    add_completion=False,
+    pretty_exceptions_enable=False,
+    rich_markup_mode=None,
+)
+
+SceneName = Annotated[str, typer.Argument(metavar="SCENE", help="A .blend file, an archive, or a scene that ships.")]
+Light = Annotated[
+    Lighting,
+    typer.Option(help="unlit: colours alone; cycles: diffuse light baked by Cycles; direct: lamps with shadows."),
+]
+Size = Annotated[str | None, typer.Option(metavar="WxH", help="Size of the picture, as in 768x512.")]
+Frame = Annotated[int | None, typer.Option(help="Frame to show; the scene's own unless given.")]
+Settings = Annotated[
+    list[str] | None,
+    typer.Option("--set", metavar="METHOD.PARAMETER=VALUE", help="Set a parameter; `catoptric methods` lists them."),
+]
+
+
+@app.command()
+def compare(
+    scenes: Annotated[
+        list[str] | None,
+        typer.Argument(metavar="[SCENE ...]", help=f"Scenes; {', '.join(DEMONSTRATION)} unless given."),
+    ] = None,
+    methods: Annotated[str | None, typer.Option(metavar="A,B", help="Methods; all of them unless given.")] = None,
+    lighting: Light = Lighting.UNLIT,
+    resolution: Annotated[
+        str | None,
+        typer.Option(metavar="WxH", help="Size of the pictures; each scene's own, 768 a side at most, unless given."),
+    ] = None,
+    samples: Annotated[
+        int | None, typer.Option(min=2, help="Cycles' samples a pixel; 64 unlit, 256 cycles, 128 direct unless given.")
+    ] = None,
+    frames: Annotated[str | None, typer.Option(metavar="A:B", help="Frames; the scene's own unless given.")] = None,
+    peers: Annotated[str | None, typer.Option(metavar="A,B", help=f"Rows beside ours: {', '.join(PEERS)}.")] = None,
+    settings: Settings = None,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the report.")] = Path("catoptric-report"),
+    resume: Annotated[bool, typer.Option("--resume", help="Keep the rows that an earlier run finished.")] = False,
+) -> int:
+    """Measure methods against Cycles; writes report.html, results.json and the pictures."""
+    names = parse_names(methods, METHODS, "--methods") if methods is not None else tuple(METHODS)
+    job = jobs.Job(
+        sources=tuple(locate(scene) for scene in dict.fromkeys(scenes or DEMONSTRATION)),
+        settings=parse_settings(settings or (), names),
+        lighting=lighting,
+        samples=samples if samples is not None else SAMPLES[lighting],
+        out=out,
+        resolution=parse_resolution(resolution) if resolution is not None else None,
+        frames=parse_frames(frames) if frames is not None else None,
+        peers=parse_names(peers, PEERS, "--peers") if peers is not None else (),
+        resume=resume,
+    )
+    with Terminal() as terminal:
+        try:
+            results = jobs.run(job, terminal)
+        except (Cancelled, KeyboardInterrupt):
+            terminal.warn("stopped; what was finished is kept, and the same command with --resume goes on from there")
+            return STOPPED
+        if results.results:
+            terminal.say(f"report: {out / 'report.html'}")
+    return 0 if results.results else WRONG
+
+
+@app.command()
+def render(
+    scene: SceneName,
+    method: Annotated[str, typer.Option(help="One of `catoptric methods`.")],
+    out: Annotated[Path, typer.Option(metavar="FILE", help=".exr for linear light, .png for a screen.")],
+    lighting: Light = Lighting.UNLIT,
+    resolution: Size = None,
+    frame: Frame = None,
+    settings: Settings = None,
+) -> int:
+    """Draw a scene with one method."""
+    (method,) = parse_names(method, METHODS, "--method")
+    chosen = parse_settings(settings or (), (method,))[method]
+    size = parse_resolution(resolution) if resolution is not None else None
+    with Terminal() as terminal:
+        tasks.render(locate(scene), method, chosen, lighting, out, terminal, size, frame)
+    return 0
+
+
+@app.command()
+def export(
+    scene: SceneName,
+    out: Annotated[Path, typer.Option(metavar="FILE", help="The archive to write.")],
+    lighting: Light = Lighting.UNLIT,
+    frame: Frame = None,
+) -> int:
+    """Write a scene as one file, for a machine without Blender."""
+    with Terminal() as terminal:
+        tasks.export(locate(scene), lighting, out, terminal, frame)
+    return 0
+
+
+@app.command()
+def methods() -> int:
+    """List every method with its source, parameters and limits."""
+    print_methods()
+    return 0
+
+
+def main(arguments: Sequence[str] | None = None) -> int:
+    """Run a command line, `sys.argv`'s by default; returns the exit status. Errors become one line on stderr."""
+    try:
+        return app(args=arguments, prog_name="catoptric", standalone_mode=False) or 0
+    except TyperException as error:
+        if error.format_message():
+            _complain(f"{error.format_message()} (catoptric --help explains)")
+        return WRONG
+    except CatoptricError as error:
+        _complain(str(error))
+        return WRONG
+    except MemoryError:
+        _complain("not enough memory: choose a smaller --resolution, or fewer and smaller textures")
+        return WRONG
+    except (Cancelled, KeyboardInterrupt, typer.Abort):
+        _complain("stopped")
+        return STOPPED
+
+
+def _complain(message: str) -> None:
+    print("catoptric:", " ".join(message.split()), file=sys.stderr)

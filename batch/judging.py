@@ -1,0 +1,108 @@
+"""One frame of one scene, and what every picture of it is held against."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
+from functools import cached_property
+from pathlib import Path
+
+import numpy as np
+
+from ..addon.methods.contract import Frame, Method, View
+from ..addon.metrics import Figures, error_maps, exposures_of, noise_maps
+from ..addon.parameters import Value
+from ..addon.scene import Lighting, Scene
+from .pictures import image_paths, save_exr, save_images
+from .results import Images, Noise, Result, Times
+
+SUPERSAMPLING = 4
+"""Samples along a side of a pixel, in a box, as Cycles' filter is set to."""
+
+
+@dataclass(eq=False)
+class Shot:
+    """A scene under one light at one size, and the folder its pictures go to.
+
+    `reference` (H, W, 3) float32 and `deviation` (H, W) float32, its standard error, are None where
+    there is nothing to judge by. `mask` (H, W) bool, the pixels that show reflectors, comes with
+    the first frame that a method renders.
+    """
+
+    name: str
+    scene: Scene
+    lighting: Lighting
+    size: tuple[int, int]
+    out: Path
+    reference: np.ndarray | None = None
+    deviation: np.ndarray | None = None
+    mask: np.ndarray | None = None
+
+    def take(self, method: Method) -> Frame:
+        """The picture of a prepared method."""
+        frame = method.render(View(self.scene.camera, *self.size, SUPERSAMPLING))
+        if self.mask is None:
+            self.mask = frame.reflectors >= 0.5
+        return frame
+
+    def images(self, method: str) -> Images:
+        """Where the pictures of a method go."""
+        return image_paths(self.name, self.scene.frame, str(self.lighting), method)
+
+    def judge_by(self, reference: np.ndarray, deviation: np.ndarray) -> None:
+        """Take the reference, and save it in place of an older one."""
+        self.reference, self.deviation = reference, deviation
+        save_exr(self.out / self.images("").reference, reference, self._metadata("cycles"))
+
+    def result(
+        self,
+        method: str,
+        color: np.ndarray,
+        settings: Mapping[str, Value],
+        time_ms: Times,
+        warnings: list[str],
+    ) -> Result:
+        """Measure a picture (H, W, 3), save it and its error, and give its row; no figures without a reference."""
+        images = self.images(method)
+        over_reflectors, over_frame = Figures(int(self.mask.sum())), Figures(self.mask.size)
+        if self.reference is None:
+            save_exr(self.out / images.method, color, self._metadata(method))
+        else:
+            errors = error_maps(color, self.reference, self._exposures)
+            over_reflectors, over_frame = errors.over(self.mask), errors.over()
+            save_images(self.out, images, color, self.reference, errors.flip, self._metadata(method))
+        return Result(
+            scene=self.name,
+            frame=self.scene.frame,
+            method=method,
+            lighting=str(self.lighting),
+            width=self.size[0],
+            height=self.size[1],
+            settings=dict(settings),
+            over_reflectors=over_reflectors,
+            over_frame=over_frame,
+            time_ms=time_ms,
+            images=images,
+            noise=self._noise,
+            warnings=warnings,
+        )
+
+    @cached_property
+    def _exposures(self):
+        return exposures_of(self.reference)
+
+    @cached_property
+    def _noise(self) -> Noise | None:
+        """The reference's own error, from two pictures that differ from it by its deviation, at random signs."""
+        if self.reference is None:
+            return None
+        signs = np.random.default_rng(0).choice(np.float32([-1.0, 1.0]), self.reference.shape)
+        offset = signs * self.deviation[..., None]
+        maps = noise_maps(self.reference + offset, self.reference - offset, self._exposures)
+        return Noise(maps.over(self.mask), maps.over())
+
+    def _metadata(self, method: str) -> dict[str, str]:
+        return {
+            "catoptric:scene": self.name,
+            "catoptric:frame": str(self.scene.frame),
+            "catoptric:method": method,
+            "catoptric:lighting": str(self.lighting),
+        }

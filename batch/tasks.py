@@ -1,0 +1,71 @@
+"""`render`, `bake` and `export`: one scene, one file."""
+
+from collections.abc import Mapping
+from pathlib import Path
+
+from ..addon.cache import Cache
+from ..addon.errors import UsageError
+from ..addon.methods.contract import View
+from ..addon.methods.registry import named
+from ..addon.parameters import Value
+from ..addon.scene import Lighting, Scene
+from ..addon.scene.archive import EXTENSION, save
+from .jobs import lit, require_reflectors
+from .judging import SUPERSAMPLING
+from .machine import check_size
+from .pictures import save_exr, save_png
+from .progress import Bar, Terminal
+from .sources import Source
+
+_WRITERS = {".exr": save_exr, ".png": save_png}
+
+
+def render(
+    source: Source,
+    method: str,
+    settings: Mapping[str, Value],
+    lighting: Lighting,
+    out: Path,
+    terminal: Terminal,
+    resolution: tuple[int, int] | None = None,
+    frame: int | None = None,
+) -> None:
+    """Write one method's picture of the scene: linear as .exr, as a screen shows it as .png."""
+    writer = _WRITERS.get(out.suffix.lower())
+    if writer is None:
+        raise UsageError(f"--out: {out.name} must end in .exr or .png")
+    drawing = named(method)(settings)
+    if resolution:
+        check_size(*resolution)
+    bar = terminal.bar(source.name)
+    scene = _scene(source, lighting, frame, terminal, bar)
+    size = resolution or scene.resolution
+    check_size(*size)
+    drawing.prepare(scene, lighting, bar.step(method, 0.6, 0.8))
+    try:
+        bar.step(method, 0.8, 1.0)("rendering", 0.0)
+        picture = drawing.render(View(scene.camera, *size, SUPERSAMPLING))
+    finally:
+        drawing.release()
+    writer(out, picture.color)
+    bar.finish()
+    terminal.say(str(out))
+
+
+def export(source: Source, lighting: Lighting, out: Path, terminal: Terminal, frame: int | None = None) -> None:
+    """Write the scene, with the lightmaps that `lighting` asks for, as an archive that needs no Blender."""
+    if out.suffix.lower() != EXTENSION:
+        raise UsageError(f"--out: {out.name} must end in {EXTENSION}")
+    bar = terminal.bar(source.name)
+    scene = _scene(source, lighting, frame, terminal, bar)
+    save(scene, out)
+    bar.finish()
+    terminal.say(str(out))
+
+
+def _scene(source: Source, lighting: Lighting, frame: int | None, terminal: Terminal, bar: Bar) -> Scene:
+    scene = source.scene(frame, bar.step("scene", 0.0, 0.2))
+    for warning in scene.warnings:
+        terminal.warn(f"{source.name}: {warning}")
+    require_reflectors(scene)
+    return lit(source, scene, lighting, Cache(), bar.step("light", 0.2, 0.6))
