@@ -20,10 +20,11 @@ class EnvironmentCubes:
     capture waits for another. Lives on the GL thread.
     """
 
-    def __init__(self, resident: Resident, size: int) -> None:
-        """Make and capture the cubes; `size` shrinks where the GPU's textures end."""
+    def __init__(self, resident: Resident, size: int, without: frozenset[int] = frozenset()) -> None:
+        """Make and capture the cubes; `size` shrinks where the GPU's textures end; instances `without` are left out."""
         context = require()
         self._resident = resident
+        self._without = without
         reflectors = resident.scene.reflectors
         self.size = min(size, context.info["GL_MAX_TEXTURE_SIZE"] // max(6, len(reflectors)))
         if self.size < _LEAST:
@@ -42,7 +43,7 @@ class EnvironmentCubes:
         self._target.clear()
         for row, (reflector, cameras) in enumerate(zip(self._resident.scene.reflectors, self._cameras, strict=True)):
             for column, camera in enumerate(cameras):
-                self._capture_face(camera, frozenset([reflector]), (column * self.size, row * self.size))
+                self._capture_face(camera, self._without | {reflector}, (column * self.size, row * self.size))
 
     def _capture_face(self, camera: Camera, hidden: frozenset[int], corner: tuple[int, int]) -> None:
         self._visibility.draw(self._resident, world_to_clip(camera, self.size, self.size), hidden)

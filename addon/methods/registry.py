@@ -4,6 +4,7 @@ from ..errors import UsageError
 from .contract import Method
 from .environment_map import EnvironmentMap, EnvironmentMapDynamic, EnvironmentMapParallax
 from .layered_depth import LayeredDepth
+from .layered_depth_published import LayeredDepthPublished
 
 METHODS: dict[str, type[Method]] = {
     method.name: method
@@ -11,6 +12,7 @@ METHODS: dict[str, type[Method]] = {
         EnvironmentMap,
         EnvironmentMapDynamic,
         EnvironmentMapParallax,
+        LayeredDepthPublished,
         LayeredDepth,
     )
 }
