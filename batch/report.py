@@ -1,0 +1,262 @@
+"""The report: one HTML file that shows results, tables and pictures, and needs nothing else."""
+
+from collections.abc import Callable, Iterator
+from dataclasses import dataclass, field
+from functools import cached_property
+from itertools import groupby
+from math import inf
+from pathlib import Path
+
+import numpy as np
+from jinja2 import Environment, FileSystemLoader, StrictUndefined
+
+from ..addon.metrics import MAGMA, Figures, PictureError
+from .pictures import load_picture
+from .report_pictures import pack_flip, pack_method, pack_reference, thumbnail, window_of_interest
+from .results import Result, Results, atomically
+
+FILE_NAME = "report.html"
+
+EMBEDDED_LIMIT = 60 << 20
+"""Bytes of pictures in one page. What is beyond, best scenes last, keeps its figures and small pictures."""
+
+_TEMPLATES = Path(__file__).parent / "templates"
+
+
+@dataclass(frozen=True)
+class Column:
+    """A column of the tables: how to get its number from a result, to write it, and which number is best."""
+
+    label: str
+    help: str
+    value: Callable[[Result, str], float | None]
+    digits: int
+    best: Callable = min
+
+
+def _figure(name: str) -> Callable[[Result, str], float | None]:
+    def value(result: Result, scope: str) -> float | None:
+        figures: Figures = getattr(result, scope)
+        infinite = name == "psnr" and figures.psnr is None and figures.pixels > 0
+        return inf if infinite else getattr(figures, name)
+
+    return value
+
+
+def _time(name: str) -> Callable[[Result, str], float | None]:
+    return lambda result, _: getattr(result.time_ms, name)
+
+
+COLUMNS = (
+    Column("FLIP", "what a person sees when the pictures alternate; 0 is equal, 1 the most", _figure("flip"), 4),
+    Column("HDR-FLIP", "the same over all exposures, so that highlights count", _figure("flip_hdr"), 4),
+    Column("PSNR dB", "peak signal to noise of the displayed picture; more is better", _figure("psnr"), 1, max),
+    Column("SSIM", "likeness of structure; 1 is equal", _figure("ssim"), 4, max),
+    Column("MAE /255", "mean absolute difference in steps of an 8-bit screen", _figure("mae_8bit"), 2),
+    Column("rel. MSE", "mean squared difference of radiance over the reference's square", _figure("rel_mse"), 4),
+    Column("reflection ms", "the reflection pass alone, each frame", _time("reflection"), 2),
+    Column("frame ms", "the whole frame", _time("frame"), 2),
+    Column("bake ms", "what is computed once before the first frame", _time("bake"), 0),
+)
+
+SCOPES = {"over_reflectors": "reflectors", "over_frame": "whole frame"}
+
+
+@dataclass
+class Comparison:
+    """All methods in one frame of one scene under one lighting; pictures are data for the page, by method."""
+
+    number: int
+    results: list[Result]
+    reference: str = ""
+    pictures: dict[str, str] = field(default_factory=dict)
+    flips: dict[str, str] = field(default_factory=dict)
+    thumbnails: dict[str, str] = field(default_factory=dict)
+    problems: list[str] = field(default_factory=list)
+
+    @property
+    def first(self) -> Result:
+        """Any of the results; they share scene, frame, lighting and size."""
+        return self.results[0]
+
+    @cached_property
+    def by_method(self) -> dict[str, Result]:
+        """The results by the name of their method."""
+        return {result.method: result for result in self.results}
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What went wrong without stopping a method, each once."""
+        return list(dict.fromkeys([note for result in self.results for note in result.warnings] + self.problems))
+
+    def ranked(self, scope: str) -> list[Result]:
+        """Least FLIP over `scope` first."""
+        return sorted(self.results, key=lambda result: _or_infinite(getattr(result, scope).flip))
+
+    def least(self, scope: str) -> float:
+        """The least FLIP any method reaches."""
+        return min(_or_infinite(getattr(result, scope).flip) for result in self.results)
+
+    def noise(self, scope: str) -> float | None:
+        """FLIP of the reference's own noise, None if nobody measured it."""
+        known = [result.noise for result in self.results if result.noise]
+        return getattr(known[0], scope).flip if known else None
+
+
+def write_report(results: Results, directory: Path, limit: int = EMBEDDED_LIMIT) -> Path:
+    """Write report.html into `directory`, where the pictures of `results` lie, and give its path.
+
+    Scenes where even the best method is far from the truth come first. A picture that cannot be
+    read is named in the page. At most `limit` bytes of pictures are embedded. Raises
+    `MachineError` if the file cannot be written.
+    """
+    directory = Path(directory)
+    comparisons = _comparisons(results.results)
+    for comparison in comparisons:
+        limit -= _embed(comparison, directory, limit)
+    environment = Environment(
+        loader=FileSystemLoader(_TEMPLATES),
+        autoescape=True,
+        undefined=StrictUndefined,
+        trim_blocks=True,
+        lstrip_blocks=True,
+    )
+    environment.filters["number"] = write_number
+    template = environment.get_template("report.html.j2")
+    path = directory / FILE_NAME
+    with atomically(path) as temporary, temporary.open("w", encoding="utf-8") as file:
+        file.writelines(template.generate(**_context(results, comparisons)))
+    return path
+
+
+def write_number(value: float | None, digits: int = 4) -> str:
+    """`value` for people: `digits` after the point, scientific where those would show only zeros, – for None."""
+    if value is None:
+        return "–"
+    if value == inf:
+        return "∞"
+    if (value != 0 and abs(value) < 0.5 * 10**-digits) or abs(value) >= 1e7:
+        return f"{value:.1e}"
+    shorter = 0 if abs(value) >= 1000 else digits
+    return f"{value:.{shorter}f}"
+
+
+def _comparisons(results: list[Result]) -> list[Comparison]:
+    def place(result: Result) -> tuple:
+        return result.scene, result.lighting, result.frame, result.width, result.height
+
+    groups = [list(group) for _, group in groupby(sorted(results, key=place), key=place)]
+    worst_first = sorted(groups, key=lambda group: -Comparison(0, group).least("over_reflectors"))
+    return [Comparison(number, group) for number, group in enumerate(worst_first, start=1)]
+
+
+def _embed(comparison: Comparison, directory: Path, limit: int) -> int:
+    """Load the pictures of `comparison` and pack them for the page, unless that takes more than `limit` bytes.
+
+    Gives the bytes taken.
+    """
+    found = {}
+    try:
+        reference = load_picture(directory / comparison.first.images.reference)
+    except PictureError as error:
+        comparison.problems.append(str(error))
+        return 0
+    pictures = {"": reference}
+    for result in comparison.results:
+        try:
+            picture = load_picture(directory / result.images.method)
+            flip = load_picture(directory / result.images.flip)
+            _check_size(picture, reference, result)
+        except PictureError as error:
+            comparison.problems.append(str(error))
+            continue
+        pictures[result.method] = picture
+        found[result.method] = pack_method(picture, reference), pack_flip(flip)
+    detail = window_of_interest(list(pictures.values()))
+    comparison.thumbnails = {method: thumbnail(picture[detail]) for method, picture in pictures.items()}
+    packed = pack_reference(reference)
+    size = len(packed) + sum(len(part) for parts in found.values() for part in parts)
+    if size > limit:
+        comparison.problems.append(
+            "The pictures are left out here to keep the page small: they are in the folder images beside it."
+        )
+        return 0
+    comparison.reference = packed
+    comparison.pictures = {method: picture for method, (picture, _) in found.items()}
+    comparison.flips = {method: flip for method, (_, flip) in found.items()}
+    return size
+
+
+def _check_size(picture: np.ndarray, reference: np.ndarray, result: Result) -> None:
+    if picture.shape != reference.shape:
+        raise PictureError(f"the picture {result.images.method} and its reference differ in size: run compare again")
+
+
+def _context(results: Results, comparisons: list[Comparison]) -> dict:
+    """What the template is filled with."""
+    methods = list(dict.fromkeys(result.method for result in results.results))
+    return {
+        "results": results,
+        "machine": results.machine,
+        "methods": methods,
+        "keys": {method: key for key, method in enumerate(methods, start=1)},
+        "comparisons": comparisons,
+        "skipped": sorted(results.skipped, key=lambda skipped: not skipped.error),
+        "columns": COLUMNS,
+        "scopes": SCOPES,
+        "wins": {scope: _wins(comparisons, scope) for scope in SCOPES},
+        "settings": {method: list(_settings(results, method)) for method in methods},
+        "best_of": _best_of,
+        "chart": _chart,
+        "magma": [f"#{red:02x}{green:02x}{blue:02x}" for red, green, blue in MAGMA[::17]],
+        "palette": "".join(f"{value:02x}" for value in MAGMA.ravel()),
+        "style": (_TEMPLATES / "report.css").read_text(encoding="utf-8"),
+        "script": "\n".join(
+            (_TEMPLATES / name).read_text(encoding="utf-8") for name in ("pictures.js", "viewer.js", "page.js")
+        ),
+    }
+
+
+def _wins(comparisons: list[Comparison], scope: str) -> list[tuple[str, int]]:
+    """How often each method is the best one, most often first."""
+    winners = [comparison.ranked(scope)[0].method for comparison in comparisons if comparison.least(scope) < inf]
+    return sorted(((method, winners.count(method)) for method in set(winners)), key=lambda win: (-win[1], win[0]))
+
+
+def _settings(results: Results, method: str) -> Iterator[dict]:
+    """The different settings that `method` was measured with."""
+    seen = []
+    for result in results.results:
+        if result.method == method and result.settings not in seen:
+            seen.append(result.settings)
+            yield result.settings
+
+
+def _best_of(column: Column, results: list[Result], scope: str) -> float | None:
+    """The best number of `column`, None if there is nothing to choose between."""
+    values = [value for result in results if (value := column.value(result, scope)) is not None]
+    return column.best(values) if len(set(values)) > 1 else None
+
+
+def _chart(comparison: Comparison, scope: str) -> dict:
+    """Bars of error and of time: a row a method, lengths as shares of the longest.
+
+    The time is that of the reflection pass; of the whole frame where a peer has no such pass.
+    """
+    passes = all(result.time_ms.reflection is not None for result in comparison.results)
+    rows = []
+    for result in comparison.ranked(scope):
+        time = result.time_ms.reflection if passes else result.time_ms.frame
+        rows.append({"method": result.method, "flip": getattr(result, scope).flip, "time": time})
+    noise = comparison.noise(scope)
+    most_flip = max([row["flip"] or 0.0 for row in rows] + [noise or 0.0]) or 1.0
+    most_time = max(row["time"] or 0.0 for row in rows) or 1.0
+    for row in rows:
+        row["flip_share"] = (row["flip"] or 0.0) / most_flip
+        row["time_share"] = (row["time"] or 0.0) / most_time
+    timed = "reflection pass" if passes else "frame"
+    return {"rows": rows, "noise": noise, "noise_share": (noise or 0.0) / most_flip, "timed": timed}
+
+
+def _or_infinite(value: float | None) -> float:
+    return inf if value is None else value
