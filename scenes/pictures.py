@@ -192,10 +192,10 @@ class Sky:
         """Two ranges of hills along the horizon, their feet in haze."""
         haze = np.array(linear(self.horizon))
         for i, (height, nearness) in enumerate(((0.13, 0.4), (0.07, 0.75))):
-            ridge = noise((1, azimuth.shape[1]), 1.15, self.seed + 20 + i)[0] * height + 0.005
+            ridge = noise((1, azimuth.shape[1]), 1.4, self.seed + 20 + i)[0] * height + 0.005
             depth = nearness * (0.55 + 0.45 * np.clip(up / ridge, 0.0, 1.0))[..., None]
             tone = haze + depth * (np.array(linear(self.hills)) - haze)
-            picture = picture + _smooth(ridge - up, -0.002, 0.002)[..., None] * (tone - picture)
+            picture = picture + _smooth(ridge - up, -0.003, 0.003)[..., None] * (tone - picture)
         return picture
 
     def _ground(self, picture, azimuth, up, level):
@@ -215,8 +215,8 @@ class Sky:
         soil = soil * (0.55 + 0.45 * _smooth(hedge, 0.01, 0.06 + 0.01 * far))[..., None]
         even = _smooth(far, 6.0, 22.0)[..., None]  # a field there is thinner than a texel
         soil = soil + even * (soil.mean(axis=(0, 1)) - soil)
-        hazy = np.exp(-7.0 * np.clip(-up, 0, 1))[..., None]
-        soil = soil + 0.75 * hazy * (np.array(linear(self.horizon)) - soil)
+        hazy = np.exp(-11.0 * np.clip(-up, 0, 1))[..., None]
+        soil = soil + 0.6 * hazy * (np.array(linear(self.horizon)) - soil)
         return picture + _smooth(-up, -0.002, 0.002)[..., None] * (soil - picture)
 
 
