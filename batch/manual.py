@@ -5,11 +5,10 @@ import re
 
 from rich.console import Console
 from rich.padding import Padding
-from rich.table import Table
 
 from ..addon.methods.contract import Method
 from ..addon.methods.registry import METHODS
-from ..addon.parameters import Parameter
+from ..addon.parameters import Parameter, Value
 
 
 def print_methods() -> None:
@@ -20,8 +19,8 @@ def print_methods() -> None:
         console.print(Padding(summary(method), (0, 0, 0, 2)), markup=False)
         console.print(Padding(f"Source: {method.source}", (0, 0, 0, 2)), markup=False)
         console.print(Padding(f"Limits: {limitations(method)}", (0, 0, 0, 2)), markup=False)
-        if method.parameters:
-            console.print(Padding(_table(method), (0, 0, 0, 2)))
+        for parameter in method.parameters:
+            console.print(Padding(_line(method, parameter), (0, 0, 0, 4)), markup=False)
         console.print()
 
 
@@ -54,16 +53,12 @@ def allowed(parameter: Parameter) -> str:
             return f"{low} to {high}"
 
 
-def _table(method: type[Method]) -> Table:
-    table = Table("parameter", "default", "unit", "range", "section", "meaning", box=None, pad_edge=False)
-    for parameter in method.parameters:
-        default = "on" if parameter.default is True else "off" if parameter.default is False else str(parameter.default)
-        table.add_row(
-            f"{method.name}.{parameter.name}",
-            default,
-            parameter.unit,
-            allowed(parameter),
-            parameter.section,
-            parameter.help,
-        )
-    return table
+def _value(value: Value, unit: str) -> str:
+    shown = {True: "on", False: "off"}[value] if isinstance(value, bool) else str(value)
+    return f"{shown} {unit}".rstrip()
+
+
+def _line(method: type[Method], parameter: Parameter) -> str:
+    section = f" ({parameter.section})" if parameter.section else ""
+    default = _value(parameter.default, parameter.unit)
+    return f"{method.name}.{parameter.name} = {default}, {allowed(parameter)}: {parameter.help}{section}"
