@@ -6,7 +6,7 @@ import numpy as np
 from ..errors import SceneError
 from ..scene import Camera, Lamp, LampKind, SensorFit
 from .materials_colors import read_constant, read_constant_vector
-from .nodes import Plug, Unsupported, source
+from .nodes import Unsupported, source, surface_plug, tree_in_use
 from .notes import Notes
 
 
@@ -92,12 +92,11 @@ def _shining_area(kind: LampKind, size: tuple[float, float]) -> float:
 
 def _node_factor(data: bpy.types.Light, notes: Notes) -> np.ndarray:
     """(3,) what the light's own nodes multiply its colour with: a constant Emission, or 1 with a warning."""
-    if not data.use_nodes or data.node_tree is None:
+    tree = tree_in_use(data)
+    plug = tree and surface_plug(tree)
+    if plug is None:
         return np.ones(3)
-    end = data.node_tree.get_output_node("CYCLES")
-    if end is None:
-        return np.ones(3)
-    found = source(Plug(end.inputs["Surface"]))
+    found = source(plug)
     try:
         if found.node is None:
             return np.zeros(3)

@@ -22,11 +22,10 @@ class ImageReader:
 
     def index(self, image: bpy.types.Image | None, alpha_used: bool) -> int:
         """The index of `image` in `images`; `alpha_used` if the node's Alpha output is linked."""
-        associate = image is not None and not alpha_used and _multiplies_alpha(image)
-        key = (image.name_full if image else "", associate)
+        key = (image.name_full if image else "", alpha_used)
         if key not in self._indices:
             self._indices[key] = len(self.images)
-            self.images.append(read(image, associate, self._notes))
+            self.images.append(read(image, alpha_used, self._notes))
         return self._indices[key]
 
     def average(self, index: int) -> np.ndarray:
@@ -45,8 +44,8 @@ def _multiplies_alpha(image: bpy.types.Image) -> bool:
     return not image.is_float and image.alpha_mode in {"STRAIGHT", "PREMUL"}
 
 
-def read(image: bpy.types.Image | None, associate: bool, notes: Notes) -> Image:
-    """The pixels of `image`; a missing one is magenta, as in Blender. `associate` multiplies by alpha, as stored."""
+def read(image: bpy.types.Image | None, alpha_used: bool, notes: Notes) -> Image:
+    """The pixels of `image`; a missing one is magenta, as in Blender. `alpha_used` if its alpha is asked for."""
     if image is None:
         notes.add("an image node", "has no image; it is magenta, as in Cycles")
         return Image("(no image)", MAGENTA, srgb=True)
@@ -58,19 +57,24 @@ def read(image: bpy.types.Image | None, associate: bool, notes: Notes) -> Image:
         return Image(image.name, MAGENTA, srgb=True)
     pixels = np.empty(width * height * image.channels, dtype=np.float32)
     image.pixels.foreach_get(pixels)
+    associate = not alpha_used and _multiplies_alpha(image)
     space, is_float = image.colorspace_settings.name, image.is_float
     if not was_loaded and image.source == "FILE" and not image.is_dirty:
         image.buffers_free()
     pixels = _four_channels(pixels.reshape(height, width, -1))
-    if associate:
-        pixels[..., :3] *= pixels[..., 3:]
     if is_float:
+        if associate:
+            pixels[..., :3] *= pixels[..., 3:]
         return Image(image.name, pixels)
     if space != "sRGB" and space not in _DATA_SPACES:
         notes.add(f'image "{image.name}"', f"colour space {space} is not supported; it is read as sRGB")
     pixels *= 255.0
     pixels += 0.5
-    return Image(image.name, pixels.astype(np.uint8), srgb=space not in _DATA_SPACES)
+    stored = pixels.astype(np.uint8)
+    if associate:
+        # In whole numbers and rounded down, as Cycles does it.
+        stored[..., :3] = stored[..., :3].astype(np.uint16) * stored[..., 3:] // 255
+    return Image(image.name, stored, srgb=space not in _DATA_SPACES)
 
 
 def _four_channels(pixels: np.ndarray) -> np.ndarray:

@@ -9,7 +9,7 @@ from .images import ImageReader
 from .materials_colors import Paint, Texture
 from .materials_lookup import Lookup
 from .materials_surface import Surface, SurfaceReader
-from .nodes import Plug
+from .nodes import surface_plug, tree_in_use
 from .notes import Notes
 
 ROUGHEST_METAL = 0.2
@@ -79,19 +79,21 @@ class MaterialReader:
     def _surface(self, material: bpy.types.Material | None, where: str) -> Surface:
         if material is None:
             return Surface(base=Paint(DEFAULT_GREY), diffuse=1.0)
-        if not material.use_nodes or material.node_tree is None:
+        tree = tree_in_use(material)
+        if tree is None:
             return Surface(base=Paint(tuple(material.diffuse_color)[:3]), diffuse=1.0)
 
         def warn(node: bpy.types.Node, message: str) -> None:
             self._notes.add(f'{where}, node "{node.name}"', message)
 
-        end = material.node_tree.get_output_node("CYCLES")
-        if end is None:
+        plug = surface_plug(tree)
+        if plug is None:
             return Surface()
+        end = plug.socket.node
         for name in ("Volume", "Displacement"):
             if end.inputs[name].is_linked:
                 warn(end, f"has a {name.lower()}, which is not supported; it is left out")
-        return SurfaceReader(material, warn, self._average).read(Plug(end.inputs["Surface"]))
+        return SurfaceReader(material, warn, self._average).read(plug)
 
     def _average(self, texture: Texture):
         return self._images.average(self._images.index(texture.image, texture.alpha_used))

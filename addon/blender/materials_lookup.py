@@ -82,8 +82,8 @@ def _mapping(found: Source, vector: Callable) -> np.ndarray:
     matrix = np.eye(4)
     matrix[:3, :3] = _euler(rotation)
     if node.vector_type == "TEXTURE":
-        # As Blender does, a scale of zero counts as one where it would divide.
-        shrunk = np.diag(1.0 / np.where(scale == 0.0, 1.0, scale))
+        # Cycles gives 0 where it would divide by 0.
+        shrunk = np.diag(np.divide(1.0, scale, out=np.zeros(3), where=scale != 0.0))
         matrix[:3, :3] = shrunk @ matrix[:3, :3].T
         matrix[:3, 3] = -matrix[:3, :3] @ location
         return matrix

@@ -40,6 +40,18 @@ class Source:
         return found and Plug(found, self.groups)
 
 
+def tree_in_use(owner: bpy.types.ID) -> bpy.types.NodeTree | None:
+    """The node tree of a material, world or light, or None where it does without; since 5.0 all have one in use."""
+    in_use = bpy.app.version >= (5, 0) or owner.use_nodes
+    return owner.node_tree if in_use else None
+
+
+def surface_plug(tree: bpy.types.NodeTree) -> Plug | None:
+    """The Surface input that Cycles renders, or None without an output node."""
+    end = tree.get_output_node("CYCLES")
+    return end and Plug(end.inputs["Surface"])
+
+
 def source(plug: Plug) -> Source:
     """What feeds `plug`, with everything skipped that only passes a value on."""
     socket, groups = plug.socket, plug.groups

@@ -15,7 +15,7 @@ from ..scene import World
 from .extract_evaluate import no_new_images
 from .images import MAGENTA, linear, read
 from .materials_colors import read_constant, read_constant_vector
-from .nodes import Plug, Source, Unsupported, all_nodes, source
+from .nodes import Source, Unsupported, all_nodes, source, surface_plug, tree_in_use
 from .notes import Notes
 
 DEFAULT_WIDTH = 2048
@@ -30,18 +30,19 @@ def read_world(world: bpy.types.World | None, frame: int, notes: Notes) -> World
     """
     if world is None:
         return World()
-    if not world.use_nodes or world.node_tree is None:
+    tree = tree_in_use(world)
+    if tree is None:
         return World(tuple(world.color))
-    end = world.node_tree.get_output_node("CYCLES")
-    found = end and source(Plug(end.inputs["Surface"]))
-    if end is not None and end.inputs["Volume"].is_linked:
+    plug = surface_plug(tree)
+    found = plug and source(plug)
+    if plug is not None and plug.socket.node.inputs["Volume"].is_linked:
         notes.add(f'world "{world.name}"', "a volume is not supported; it is left out")
     if not found or found.node is None:
         return World()
-    if any(node.bl_idname == "ShaderNodeLightPath" for node in all_nodes(world.node_tree)):
+    if any(node.bl_idname == "ShaderNodeLightPath" for node in all_nodes(tree)):
         notes.add(f'world "{world.name}"', "a Light Path node is not supported; the world is what the camera sees")
     plain = _plain(found, notes) if found.node.bl_idname == "ShaderNodeBackground" else None
-    return plain or World(panorama=render_panorama(world.original, frame, _width(world.node_tree)))
+    return plain or World(panorama=render_panorama(world.original, frame, _width(tree)))
 
 
 def _plain(background: Source, notes: Notes) -> World | None:
@@ -67,7 +68,7 @@ def _environment(found: Source, strength: float, notes: Notes) -> World | None:
         mapped or node.projection != "EQUIRECTANGULAR" or node.image.source not in {"FILE", "GENERATED"}
     ):
         return None
-    image = read(node.image, associate=False, notes=notes)
+    image = read(node.image, alpha_used=False, notes=notes)
     if image.pixels.shape == MAGENTA.shape and (image.pixels == MAGENTA).all():
         return World((strength, 0.0, strength))
     if image.pixels.shape[1] > WIDEST:
