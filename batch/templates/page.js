@@ -59,6 +59,12 @@ function set(name, value) {
   changed();
 }
 
+/** Wipe and difference need two pictures. */
+function choose(mode) {
+  if ((mode === "wipe" || mode === "difference") && view.show === view.against) view.show = view.against === 0 ? 1 : 0;
+  set("mode", mode);
+}
+
 function expose(stops) {
   set("exposure", Math.min(8, Math.max(-8, view.exposure + stops)));
 }
@@ -80,10 +86,10 @@ function switchTheme() {
 }
 
 const keys = {
-  p: () => set("mode", "picture"),
-  w: () => set("mode", "wipe"),
-  d: () => set("mode", "difference"),
-  f: () => set("mode", "flip"),
+  p: () => choose("picture"),
+  w: () => choose("wipe"),
+  d: () => choose("difference"),
+  f: () => choose("flip"),
   e: () => expose(0.5),
   E: () => expose(-0.5),
   "+": () => zoom(1.5),
@@ -108,7 +114,7 @@ function pressed(event) {
   event.preventDefault();
 }
 
-for (const input of toolbar.querySelectorAll('[name="mode"]')) input.addEventListener("change", () => set("mode", input.value));
+for (const input of toolbar.querySelectorAll('[name="mode"]')) input.addEventListener("change", () => choose(input.value));
 for (const id of ["show", "against", "split", "exposure"]) {
   element(id).addEventListener("input", (event) => set(id, Number(event.target.value)));
 }
