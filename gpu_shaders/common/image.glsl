@@ -13,10 +13,15 @@ float decode_srgb(float encoded) {
     return encoded <= 0.04045 ? encoded / 12.92 : pow((encoded + 0.055) / 1.055, 2.4);
 }
 
+// GLSL leaves % of a negative number open.
+int modulo(int i, int size) {
+    return i - size * int(floor(float(i) / float(size)));
+}
+
 int wrap(int i, int size, int extension) {
-    if (extension == REPEAT) return ((i % size) + size) % size;
+    if (extension == REPEAT) return modulo(i, size);
     if (extension == MIRROR) {
-        int j = ((i % (2 * size)) + 2 * size) % (2 * size);
+        int j = modulo(i, 2 * size);
         return j < size ? j : 2 * size - 1 - j;
     }
     return clamp(i, 0, size - 1);
