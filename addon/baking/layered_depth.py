@@ -188,7 +188,7 @@ def face_shapes(mesh: Mesh, resolution: int) -> tuple[np.ndarray, np.ndarray, li
     low, high = mesh.bounds.astype(np.float64)
     padding = _PADDING * (high - low).max() + 1e-6 * np.abs(mesh.bounds).max() + 1e-9
     low, size = low - padding, high - low + 2.0 * padding
-    texels = np.clip(np.ceil(resolution * size / size.max() - 1e-9), 1, resolution).astype(int)
+    texels = np.clip(np.round(resolution * size / size.max()), 1, resolution).astype(int)
     return low, size, [(int(texels[(axis + 1) % 3]), int(texels[(axis + 2) % 3])) for axis in range(3)]
 
 
