@@ -8,8 +8,10 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
+from ..addon.baking.layered_depth import LAYERS, RESOLUTION
 from ..addon.errors import Cancelled, CatoptricError
 from ..addon.methods.registry import METHODS
+from ..addon.parameters import resolve
 from ..addon.scene import Lighting
 from ..scenes import SCENES
 from . import jobs, tasks
@@ -110,6 +112,21 @@ def render(
     size = parse_resolution(resolution) if resolution is not None else None
     with Terminal() as terminal:
         tasks.render(locate(scene), method, chosen, lighting, out, terminal, size, frame)
+    return 0
+
+
+@app.command()
+def bake(
+    scene: SceneName,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the layered depth textures.")],
+    lighting: Light = Lighting.UNLIT,
+    resolution: Annotated[int, typer.Option(help=RESOLUTION.help + ".")] = RESOLUTION.default,
+    layers: Annotated[int, typer.Option(help=LAYERS.help + ".")] = LAYERS.default,
+) -> int:
+    """Write a scene's layered depth textures, one EXR for each object and layer."""
+    settings = resolve((RESOLUTION, LAYERS), {RESOLUTION.name: resolution, LAYERS.name: layers})
+    with Terminal() as terminal:
+        tasks.bake(locate(scene), lighting, settings, out, terminal)
     return 0
 
 

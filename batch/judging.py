@@ -91,11 +91,11 @@ class Shot:
 
     @cached_property
     def _noise(self) -> Noise | None:
-        """The reference's own error, from two pictures that differ from it by its deviation, at random signs."""
+        """The reference's own error, from two pictures that differ from it by its deviation, with random signs."""
         if self.reference is None:
             return None
-        signs = np.random.default_rng(0).choice(np.float32([-1.0, 1.0]), self.reference.shape)
-        offset = signs * self.deviation[..., None]
+        signs = np.random.default_rng(0).choice(np.float32([-1.0, 1.0]), self.deviation.shape)
+        offset = (signs * self.deviation)[..., None]
         maps = noise_maps(self.reference + offset, self.reference - offset, self._exposures)
         return Noise(maps.over(self.mask), maps.over())
 

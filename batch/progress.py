@@ -1,25 +1,32 @@
 """Progress on a terminal: one bar a scene, with the time left; nothing where nobody looks."""
 
+from threading import Event
+
 from rich.console import Console
 from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemainingColumn
+
+from ..addon.errors import Cancelled
+from ..addon.progress import Progress as Callback
 
 
 class Bar:
     """A bar that is shared out over steps of unequal length.
 
-    `advance_to(start, end, label)` gives the callback for a step that fills the bar from `start` to
-    `end`, both 0..1. Time left is for the whole bar, so the shares should be near the truth.
+    Time left is for the whole bar, so the shares should be near the truth.
     """
 
-    def __init__(self, progress: Progress, task: TaskID) -> None:
-        """A bar of `progress`, whose task runs from 0 to 1."""
+    def __init__(self, progress: Progress, task: TaskID, stopped: Event) -> None:
+        """A bar of `progress`, whose task runs from 0 to 1; callbacks raise `Cancelled` once `stopped` is set."""
         self._progress = progress
         self._task = task
+        self._stopped = stopped
 
-    def step(self, label: str, start: float, end: float):
-        """The progress callback of one step."""
+    def step(self, label: str, start: float, end: float) -> Callback:
+        """The callback of a step that fills the bar from `start` to `end`, both 0..1."""
 
         def report(stage: str, fraction: float) -> None:
+            if self._stopped.is_set():
+                raise Cancelled
             done = start + (end - start) * min(max(fraction, 0.0), 1.0)
             self._progress.update(self._task, completed=done, step=f"{label}: {stage}" if stage else label)
 
@@ -36,6 +43,7 @@ class Terminal:
 
     def __init__(self) -> None:
         """Bars show only if stderr is a terminal."""
+        self._stopped = Event()
         self.errors = Console(stderr=True, highlight=False, soft_wrap=True)
         self._out = Console(highlight=False, soft_wrap=True)
         self._bars = Progress(
@@ -53,11 +61,13 @@ class Terminal:
         return self
 
     def __exit__(self, *failure: object) -> None:
+        # Ctrl-C stops the main thread alone; what still runs on another learns it from its callback.
+        self._stopped.set()
         self._bars.stop()
 
     def bar(self, description: str) -> Bar:
         """A new bar."""
-        return Bar(self._bars, self._bars.add_task(description, total=1.0, step=""))
+        return Bar(self._bars, self._bars.add_task(description, total=1.0, step=""), self._stopped)
 
     def say(self, line: str) -> None:
         """A line of results."""

@@ -1,8 +1,9 @@
-"""`render`, `bake` and `export`: one scene, one file."""
+"""`render`, `bake` and `export`: one scene down the corridor, as far as asked."""
 
 from collections.abc import Mapping
 from pathlib import Path
 
+from ..addon.baking.layered_depth_atlas import bake_scene
 from ..addon.cache import Cache
 from ..addon.errors import UsageError
 from ..addon.methods.contract import View
@@ -50,6 +51,22 @@ def render(
     writer(out, picture.color)
     bar.finish()
     terminal.say(str(out))
+
+
+def bake(source: Source, lighting: Lighting, settings: Mapping[str, Value], out: Path, terminal: Terminal) -> None:
+    """Write the layered depth textures of every reflected object to the folder `out`, one EXR a layer.
+
+    `settings` holds RESOLUTION and LAYERS. With lightmaps, the scene that holds them is written too.
+    """
+    bar = terminal.bar(source.name)
+    scene = _scene(source, lighting, None, terminal, bar)
+    written = bake_scene(scene, lighting, out, dict(settings), Cache(), bar.step("layers", 0.6, 1.0))
+    if lighting is Lighting.CYCLES:
+        written.append(out / f"{source.name}{EXTENSION}")
+        save(scene, written[-1])
+    bar.finish()
+    for path in written:
+        terminal.say(str(path))
 
 
 def export(source: Source, lighting: Lighting, out: Path, terminal: Terminal, frame: int | None = None) -> None:

@@ -12,6 +12,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import pytest
+from catoptric.addon.baking.layered_depth_atlas import read_atlas
 from catoptric.addon.methods.registry import METHODS
 from catoptric.batch.cli import main
 from catoptric.batch.pictures import load_picture
@@ -172,6 +173,17 @@ def test_comparing_an_archive_says_that_cycles_is_left_out(archive, tmp_path, ca
     assert "archive" in capsys.readouterr().err
 
 
+def test_bake_writes_a_picture_for_each_object_and_layer(blend, tmp_path, capsys):
+    assert main(["bake", str(blend), "--out", str(tmp_path), "--resolution", "16"]) == 0
+    written = sorted(path.name for path in tmp_path.iterdir())
+    assert {"Ball_layer-1.exr", "Box_layer-1.exr", "Floor_layer-1.exr"} <= set(written)
+    pixels, metadata = read_atlas(tmp_path / "Box_layer-1.exr")
+    assert pixels.shape[:2] == (2 * 16, 3 * 16)
+    assert metadata["object"] == "Box"
+    listed = [Path(line).name for line in capsys.readouterr().out.splitlines() if line.endswith(".exr")]
+    assert sorted(listed) == written
+
+
 def test_methods_prints_every_method_and_parameter(capsys):
     assert main(["methods"]) == 0
     printed = capsys.readouterr().out
@@ -208,6 +220,7 @@ def test_help_explains(command, capsys):
         (["compare", "--set", "environment-map.colour=1"], "size"),
         (["compare", "--colour"], "--colour"),
         (["paint"], "paint"),
+        (["bake", "mirror-ball", "--out", "x", "--resolution", "1"], "16"),
         (["render", "mirror-ball", "--out", "x.png"], "--method"),
         (["render", "mirror-ball", "--method", "layered-depth", "--out", "x.gif"], ".exr"),
         (["render", "mirror-ball", "--method", "layered-depth", "--out", "x.png", "--resolution", "8x0"], "at least 1"),
