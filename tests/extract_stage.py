@@ -68,9 +68,30 @@ def cycles_picture(scene: bpy.types.Scene, folder: Path) -> np.ndarray:
 
 def scene_picture(scene: Scene) -> np.ndarray:
     """(SIDE, SIDE, 3) the emission of what lies under each pixel's middle, read from the arrays of `scene`."""
+    picture = np.zeros((SIDE * SIDE, 3))
+    for inside, weights, instance, mesh, number in under_pixels(scene):
+        source = scene.materials[instance.materials[mesh.slots[number]]].emission
+        color = np.tile(source.color, (inside.sum(), 1))
+        if source.image is not None:
+            color = color * look_up(scene.images[source.image], source, weights @ mesh.uvs[number])
+        if source.vertex_colors:
+            color = color * (weights @ mesh.colors[number])[:, :3]
+        picture[inside] = color
+    return picture.reshape(SIDE, SIDE, 3)
+
+
+def uv_picture(scene: Scene) -> np.ndarray:
+    """(SIDE, SIDE, 2) the texture coordinates under each pixel's middle."""
+    picture = np.zeros((SIDE * SIDE, 2))
+    for inside, weights, _, mesh, number in under_pixels(scene):
+        picture[inside] = weights @ mesh.uvs[number]
+    return picture.reshape(SIDE, SIDE, 2)
+
+
+def under_pixels(scene: Scene, margin: float = -1e-9):
+    """For every triangle: which pixels' middles (SIDE²,) it covers from above, and their barycentric weights (N, 3)."""
     middles = (np.arange(SIDE) + 0.5) / SIDE * 2.0 - 1.0
     points = np.stack(np.meshgrid(middles, middles), axis=-1).reshape(-1, 2)
-    picture = np.zeros((SIDE * SIDE, 3))
     for instance in scene.instances:
         mesh = scene.meshes[instance.mesh]
         world = mesh.corners @ instance.matrix[:3, :3].T + instance.matrix[:3, 3]
@@ -80,16 +101,8 @@ def scene_picture(scene: Scene) -> np.ndarray:
                 continue
             weights = np.linalg.solve(edges, (points - corners[0]).T).T
             weights = np.column_stack([1.0 - weights.sum(axis=1), weights])
-            inside = (weights >= -1e-9).all(axis=1)
-            material = scene.materials[instance.materials[mesh.slots[number]]]
-            color = np.tile(material.emission.color, (len(points), 1))
-            if material.emission.image is not None:
-                uvs = weights @ mesh.uvs[number]
-                color = color * look_up(scene.images[material.emission.image], material.emission, uvs)
-            if material.emission.vertex_colors:
-                color = color * (weights @ mesh.colors[number])[:, :3]
-            picture[inside] = color[inside]
-    return picture.reshape(SIDE, SIDE, 3)
+            inside = (weights >= margin).all(axis=1)
+            yield inside, weights[inside], instance, mesh, number
 
 
 def look_up(image, source, uvs: np.ndarray) -> np.ndarray:

@@ -77,7 +77,9 @@ class _Reading:
         for number, placed in enumerate(depsgraph.object_instances):
             self.progress("reading the scene", 0.9 * number / total)
             holder = placed.object
-            if not placed.show_self or holder.hide_render:
+            # For a final render the depsgraph has settled this; a particle's object is often hidden itself.
+            hidden = depsgraph.mode == "VIEWPORT" and holder.hide_render and not placed.is_instance
+            if not placed.show_self or hidden:
                 continue
             # The matrix is copied: Blender's is only valid within this step of the loop.
             matrix = np.array(placed.matrix_world, dtype=np.float64)
@@ -87,7 +89,7 @@ class _Reading:
             elif holder.type == "LIGHT":
                 self.lamps.append(read_lamp(holder, matrix, self._names.unique(holder.name), self.notes))
             elif holder.type in _LEFT_OUT:
-                self.notes.add(_object(holder), f"{_LEFT_OUT[holder.type]} is not supported; it is left out")
+                self.notes.add(_object(holder), f"{_LEFT_OUT[holder.type]} cannot be drawn; it is left out")
             self._warn_of_hair(holder)
 
     def finish(self) -> Scene:

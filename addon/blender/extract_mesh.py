@@ -51,7 +51,7 @@ def read_mesh(mesh: bpy.types.Mesh, surfacings: Sequence[Surfacing]) -> Mesh:
         name=mesh.name,
         positions=positions,
         triangles=triangles,
-        normals=_normals(mesh, loops, crosses),
+        normals=_normals(mesh, triangles, loops, crosses, solid),
         uvs=_uvs(corners, surfacings, slots),
         slots=slots,
         colors=_colors(corners, surfacings, slots),
@@ -75,18 +75,27 @@ def _crosses(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
     return crosses, area > _SLIVER * longest
 
 
-def _normals(mesh: bpy.types.Mesh, loops: np.ndarray, crosses: np.ndarray) -> np.ndarray:
+def _normals(
+    mesh: bpy.types.Mesh, triangles: np.ndarray, loops: np.ndarray, crosses: np.ndarray, kept: np.ndarray | slice
+) -> np.ndarray:
     """(T, 3, 3) unit normals of the corners.
 
-    A mesh that is flat all over gets each triangle's own normal, not its polygon's, as Cycles
-    shades it: they differ on a quad that is not plane.
+    They are those of Cycles, which for reflections on quads that are not plane is not quite what the viewport
+    shows: a mesh that is flat all over is shaded by each triangle's own normal, not its polygon's. Before 5.0
+    so are the flat faces of any mesh without custom normals, and they do not part the smooth faces beside them.
     """
     faces = crosses / np.maximum(np.linalg.norm(crosses, axis=1, keepdims=True), np.finfo(np.float32).tiny)
     if mesh.normals_domain == "FACE":
         return np.repeat(faces[:, None], 3, axis=1).astype(np.float32)
-    normals = _get(mesh.corner_normals, "vector", 3)[loops]
+    flat_by_triangle = bpy.app.version < (5, 0) and not mesh.has_custom_normals
+    if flat_by_triangle and "sharp_edge" not in mesh.attributes:
+        normals = _get(mesh.vertex_normals, "vector", 3)[triangles]
+    else:
+        normals = _get(mesh.corner_normals, "vector", 3)[loops]
     lengths = np.linalg.norm(normals, axis=2, keepdims=True)
     sound = np.isfinite(lengths) & (lengths > 0.5)
+    if flat_by_triangle:
+        sound &= _get(mesh.loop_triangles, "use_smooth", 1, np.bool_)[kept, :, None]
     return np.where(sound, normals / np.where(sound, lengths, 1.0), faces[:, None]).astype(np.float32)
 
 
