@@ -66,6 +66,7 @@ class _Reading:
         self.lamps: list[Lamp] = []
         self.camera: Camera | None = None
         self._known: dict[tuple, int | Empty] = {}
+        self._used_slots: list[list[int]] = []  # of each mesh
         self._names = Names()
         self._override: bpy.types.Material | None = None
 
@@ -139,7 +140,7 @@ class _Reading:
                 mesh=mesh,
                 matrix=matrix,
                 materials=tuple(slot.index for slot in slots),
-                reflector=self._reflects(holder, wanted, slots, self.meshes[mesh]),
+                reflector=self._reflects(holder, wanted, [slots[used] for used in self._used_slots[mesh]]),
                 in_reflections=_seen(holder, parent, "visible_glossy"),
                 in_camera=_seen(holder, parent, "visible_camera"),
             )
@@ -162,14 +163,14 @@ class _Reading:
         if key not in self._known:
             try:
                 self.meshes.append(read_mesh(holder.data, surfacings))
+                self._used_slots.append(np.unique(self.meshes[-1].slots).tolist())
                 self._known[key] = len(self.meshes) - 1
             except Empty as reason:
                 self._known[key] = reason
         return self._known[key]
 
-    def _reflects(self, holder: bpy.types.Object, wanted: bool | None, slots: list[Slot], mesh: Mesh) -> bool:
+    def _reflects(self, holder: bpy.types.Object, wanted: bool | None, used: list[Slot]) -> bool:
         """Whether a mirror image is to be drawn: as the artist says, else if a material in use is a clear mirror."""
-        used = [slots[number] for number in np.unique(mesh.slots)]
         if wanted is None:
             return any(slot.mirrors_clearly for slot in used)
         if wanted and not any(slot.mirrors for slot in used):

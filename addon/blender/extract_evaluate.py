@@ -6,6 +6,8 @@ from typing import TypeVar
 
 import bpy
 
+from ..errors import SceneError
+
 Result = TypeVar("Result")
 
 
@@ -13,7 +15,7 @@ def with_render_depsgraph(scene: bpy.types.Scene, read: Callable[[bpy.types.Deps
     """Call `read` with `scene` evaluated as a final render has it, and return what it returns.
 
     Modifiers and particles are then at their render levels, and render visibility holds; a viewport's
-    depsgraph has neither. What `read` raises is raised here.
+    depsgraph has neither. What `read` raises is raised here, and `SceneError` if Blender refuses to render.
     """
     results: list[Result] = []
     failures: list[BaseException] = []
@@ -43,11 +45,18 @@ def with_render_depsgraph(scene: bpy.types.Scene, read: Callable[[bpy.types.Deps
             render.engine = Reader.bl_idname
             render.use_compositing = render.use_sequencer = False
             bpy.ops.render.render(scene=scene.name, layer=layer_name(scene))
+    except RuntimeError as refusal:
+        reason = str(refusal).strip().splitlines()[-1]
+        raise SceneError(f'scene "{scene.name}": Blender does not render it just now ({reason})') from None
     finally:
         # Left registered, it hangs Blender 4.5 as a module at exit.
         bpy.utils.unregister_class(Reader)
     if failures:
         raise failures[0]
+    if not results:
+        raise SceneError(
+            f'scene "{scene.name}": Blender does not render it; try Render Image (F12) and mend what it says'
+        )
     return results[0]
 
 

@@ -12,8 +12,8 @@ from .materials_surface import Surface, SurfaceReader
 from .nodes import surface_plug, tree_in_use
 from .notes import Notes
 
-ROUGHEST_METAL = 0.2
-ROUGHEST_DIELECTRIC = 0.1
+ROUGHEST_METAL = 0.2 + 1e-6  # Blender's sliders are 32-bit floats: its 0.2 is a little more
+ROUGHEST_DIELECTRIC = 0.1 + 1e-6
 LEAST_HEAD_ON = 0.01
 LEAST_GLOSS = 0.05
 
