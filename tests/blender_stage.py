@@ -153,3 +153,38 @@ def matte(name, color):
 
 def chrome(name, color=(1.0, 1.0, 1.0)):
     return Material(name, ColorSource(color), 0.0, BLACK, ColorSource(color), fresnel=Fresnel.SCHLICK, roughness=0.0)
+
+
+def state() -> dict:
+    """Everything in the file that a render might have changed, as plain values."""
+    skipped = {"linear_colorspace_settings"}  # Blender fills it in on the way
+    skipped |= {"rna_type", "pixels", "is_updated", "is_evaluated", "session_uid", "users", "library_weak_reference"}
+
+    def plain(value):
+        if isinstance(value, bpy.types.bpy_struct):
+            return getattr(value, "name_full", None) or getattr(value, "name", None) or type(value).__name__
+        if hasattr(value, "__iter__") and not isinstance(value, str):
+            return [plain(inner) for inner in value]
+        return value
+
+    def struct(owner):
+        names = [item.identifier for item in owner.bl_rna.properties if item.identifier not in skipped]
+        return {name: plain(getattr(owner, name)) for name in names}
+
+    taken = {}
+    for kind in ("scenes", "objects", "meshes", "materials", "images", "lights", "cameras", "node_groups", "worlds"):
+        for block in getattr(bpy.data, kind):
+            taken[kind, block.name_full] = struct(block)
+            tree = getattr(block, "node_tree", None) if kind != "node_groups" else block
+            if tree:
+                taken[kind, block.name_full, "nodes"] = [struct(node) for node in tree.nodes]
+                taken[kind, block.name_full, "links"] = [
+                    (link.from_node.name, link.from_socket.name, link.to_node.name) for link in tree.links
+                ]
+    for scene in bpy.data.scenes:
+        for part in ("render", "cycles", "eevee", "view_settings"):
+            taken[scene.name, part] = struct(getattr(scene, part))
+        taken[scene.name, "image"] = struct(scene.render.image_settings)
+    for shaped in bpy.data.objects:
+        taken[shaped.name, "slots"] = [(slot.link, plain(slot.material)) for slot in shaped.material_slots]
+    return taken

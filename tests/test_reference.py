@@ -18,41 +18,6 @@ from catoptric.tests import blender_stage as stage
 RED, GREY = (0.8, 0.1, 0.05), (0.4, 0.5, 0.6)
 
 
-def state() -> dict:
-    """Everything in the file that a render might have changed, as plain values."""
-    skipped = {"linear_colorspace_settings"}  # Blender fills it in on the way
-    skipped |= {"rna_type", "pixels", "is_updated", "is_evaluated", "session_uid", "users", "library_weak_reference"}
-
-    def plain(value):
-        if isinstance(value, bpy.types.bpy_struct):
-            return getattr(value, "name_full", None) or getattr(value, "name", None) or type(value).__name__
-        if hasattr(value, "__iter__") and not isinstance(value, str):
-            return [plain(inner) for inner in value]
-        return value
-
-    def struct(owner):
-        names = [item.identifier for item in owner.bl_rna.properties if item.identifier not in skipped]
-        return {name: plain(getattr(owner, name)) for name in names}
-
-    taken = {}
-    for kind in ("scenes", "objects", "meshes", "materials", "images", "lights", "cameras", "node_groups", "worlds"):
-        for block in getattr(bpy.data, kind):
-            taken[kind, block.name_full] = struct(block)
-            tree = getattr(block, "node_tree", None) if kind != "node_groups" else block
-            if tree:
-                taken[kind, block.name_full, "nodes"] = [struct(node) for node in tree.nodes]
-                taken[kind, block.name_full, "links"] = [
-                    (link.from_node.name, link.from_socket.name, link.to_node.name) for link in tree.links
-                ]
-    for scene in bpy.data.scenes:
-        for part in ("render", "cycles", "eevee", "view_settings"):
-            taken[scene.name, part] = struct(getattr(scene, part))
-        taken[scene.name, "image"] = struct(scene.render.image_settings)
-    for shaped in bpy.data.objects:
-        taken[shaped.name, "slots"] = [(slot.link, plain(slot.material)) for slot in shaped.material_slots]
-    return taken
-
-
 @pytest.fixture
 def mirror_stage():
     """A mirror ball and a box on a floor, a lamp beside them."""
@@ -189,11 +154,11 @@ def test_unlit_keeps_textures_even_in_groups(grouped):
     pixels = np.full((1, 2, 4), 255, np.uint8)
     picture = Material("picture", ColorSource((1, 1, 1), image=0))
     extracted = replace(stage.as_scene(scene, {"picture": picture}), images=(Image("two", pixels),))
-    before = state()
+    before = stage.state()
     shown = render_reference(scene, extracted, Lighting.UNLIT, 16, 8, 2).color
     np.testing.assert_allclose(shown[4, 5], (1, 0, 0), atol=1e-5)
     np.testing.assert_allclose(shown[4, 10], (0, 0, 1), atol=1e-5)
-    assert state() == before
+    assert stage.state() == before
 
 
 def test_one_material_may_mirror_here_and_not_there():
@@ -204,11 +169,11 @@ def test_one_material_may_mirror_here_and_not_there():
     stage.add_plane(scene, "right", 2, material, (1, 0, 0))
     looking_down(scene, 2)
     extracted = stage.as_scene(scene, {"gold": stage.chrome("gold", tint)}, {"left"})
-    before = state()
+    before = stage.state()
     shown = render_reference(scene, extracted, Lighting.UNLIT, 16, 8, 2).color
     np.testing.assert_allclose(shown[4, 13], tint, rtol=1e-5)
     np.testing.assert_allclose(shown[4, 7], np.array(tint) * stage.WORLD, rtol=0.02)
-    assert state() == before
+    assert stage.state() == before
 
 
 def test_what_extraction_left_out_is_hidden(mirror_stage):
@@ -226,14 +191,14 @@ def test_everything_is_as_it_was(mirror_stage, lighting):
     scene.render.image_settings.file_format, scene.render.image_settings.color_depth = "PNG", "16"
     scene.camera.data.dof.use_dof = True
     stage.add_box(scene, "bare", 0.5, None, (3, 0, 1)).data.materials.append(None)
-    before = state()
+    before = stage.state()
     render_reference(scene, stage.as_scene(scene, materials, {"ball"}), lighting, 16, 8, 2)
-    assert state() == before
+    assert stage.state() == before
 
 
 def test_everything_is_as_it_was_after_cancelling(mirror_stage):
     scene, materials = mirror_stage
-    before = state()
+    before = stage.state()
 
     def cancel(stage_name, fraction):
         if fraction > 0:
@@ -241,7 +206,7 @@ def test_everything_is_as_it_was_after_cancelling(mirror_stage):
 
     with pytest.raises(KeyboardInterrupt):
         render_reference(scene, stage.as_scene(scene, materials, {"ball"}), Lighting.UNLIT, 16, 8, 4, progress=cancel)
-    assert state() == before
+    assert stage.state() == before
 
 
 def test_lamps_light_but_are_not_seen(mirror_stage):
@@ -313,9 +278,9 @@ def test_bad_input_is_one_line(mirror_stage):
 def test_eevee_agrees_where_nothing_is_reflected(mirror_stage):
     scene, materials = mirror_stage
     extracted = stage.as_scene(scene, materials, {"ball"})
-    before = state()
+    before = stage.state()
     picture = render_eevee(scene, extracted, Lighting.UNLIT, 48, 32, 2, progress=silent)
-    assert state() == before
+    assert stage.state() == before
     assert picture.seconds_per_sample > 0
     np.testing.assert_allclose(picture.color[1, 1], stage.WORLD, rtol=0.01)
     np.testing.assert_allclose(picture.color[-1, 24], GREY, rtol=0.01)

@@ -1,0 +1,210 @@
+"""Diffuse light, computed by Cycles once and kept in an image for each object."""
+
+from dataclasses import replace
+
+import bpy
+import numpy as np
+
+from ..cache import Cache, key_of
+from ..errors import MachineError, UsageError
+from ..progress import Progress, silent
+from ..scene import Image, Scene
+from .lightmap_denoise import denoised
+from .lightmap_stage import bake_stage
+from .lightmap_uv import unwrap
+from .reference import cycles_engine
+from .render_fingerprint import LIGHTMAP_NAME, fingerprint, without_lightmaps
+from .render_settings import changed, first_line, quiet
+
+SMALLEST, LARGEST = 32, 1024
+CHUNK = 16
+_OUTSIDE = -2.0
+"""Where triangles lie that get no light map: off the image."""
+
+_SPREAD = 8
+"""Texels that a chart's light is spread beyond its border, for bilinear lookups."""
+
+
+def bake_lightmaps(
+    bpy_scene: bpy.types.Scene,
+    scene: Scene,
+    samples: int = 64,
+    texels: int = 1 << 20,
+    cache: Cache | None = None,
+    progress: Progress = silent,
+) -> Scene:
+    """`scene`, extracted from `bpy_scene`, with a lightmap on every instance that scatters light.
+
+    A surface's diffuse radiance is `base * diffuse * lightmap`: the lightmap holds irradiance over
+    pi, direct and indirect, of all lamps, the world and glowing surfaces, without caustics, on the
+    side that the shading normals point to. `texels` are shared out among the instances by their
+    area in the world, 32 to 1024 a side; `samples` a texel are denoised. The .blend stays as it
+    was. Raises `UsageError` for settings that make no sense, `MachineError` where Cycles fails;
+    passes on what `progress` raises.
+    """
+    if samples < 1 or texels < 1:
+        raise UsageError("a lightmap needs at least one sample and one texel")
+    scene = without_lightmaps(scene)
+    receivers = [index for index, instance in enumerate(scene.instances) if _scatters(scene, instance.materials)]
+    if not receivers:
+        return scene
+    with cycles_engine(bpy_scene):
+        key = key_of("lightmap 1", fingerprint(bpy_scene, scene), samples, texels)
+        known = cache.get("lightmap", key) if cache else None
+        arrays = known.arrays if known else _bake(bpy_scene, scene, receivers, samples, texels, progress)
+    if cache and not known:
+        cache.put("lightmap", key, arrays)
+    return _with_lightmaps(scene, receivers, arrays)
+
+
+def _scatters(scene: Scene, materials: tuple[int, ...]) -> bool:
+    return any(scene.materials[index].diffuse > 0.0 for index in materials)
+
+
+def _bake(
+    bpy_scene: bpy.types.Scene, scene: Scene, receivers: list[int], samples: int, texels: int, progress: Progress
+) -> dict[str, np.ndarray]:
+    """Lightmaps ("image I", (S, S, 3)) by instance, and their coordinates ("uvs M", (T, 3, 2)) by mesh."""
+    sizes = lightmap_sizes([world_area(scene, index) for index in receivers], texels)
+    uvs = {}
+    for number, mesh in enumerate(sorted({scene.instances[index].mesh for index in receivers})):
+        progress("unwrapping", 0.1 * number / len(receivers))
+        users = [size for index, size in zip(receivers, sizes, strict=True) if scene.instances[index].mesh == mesh]
+        uvs[mesh] = unwrap(scene.meshes[mesh], min(users))
+    places, side = atlas_places(sizes)
+    layout = []
+    tiles = dict(zip(receivers, zip(places, sizes, strict=True), strict=True))
+    for index, instance in enumerate(scene.instances):
+        if index in tiles:
+            place, size = tiles[index]
+            layout.append((uvs[instance.mesh] * size + place) / side)
+        else:
+            layout.append(np.full((len(scene.meshes[instance.mesh].triangles), 3, 2), _OUTSIDE))
+    light, covered = _bake_atlas(bpy_scene, scene, np.concatenate(layout).astype(np.float32), side, samples, progress)
+    progress("denoising the light", 0.95)
+    light = denoised(spread(light, covered, _SPREAD))
+    arrays = {f"uvs {mesh}": coordinates for mesh, coordinates in uvs.items()}
+    for index, ((x, y), size) in tiles.items():
+        arrays[f"image {index}"] = light[y : y + size, x : x + size].copy()
+    progress("baking light", 1.0)
+    return arrays
+
+
+def world_area(scene: Scene, index: int) -> float:
+    """Square metres of an instance's triangles."""
+    instance = scene.instances[index]
+    corners = scene.meshes[instance.mesh].corners @ instance.matrix[:3, :3].T
+    return float(
+        np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2
+    )
+
+
+def lightmap_sizes(areas: list[float], texels: int) -> list[int]:
+    """Texels a side, powers of two, of lightmaps that together have about `texels`.
+
+    A large surface gets fewer texels a square metre than a small one (by the power 2/3 of its
+    area): else a wide floor leaves nothing to what stands on it.
+    """
+    shares = np.maximum(areas, 1e-12) ** (2 / 3)
+    sides = np.sqrt(texels * shares / shares.sum())
+    return [int(size) for size in np.clip(2 ** np.round(np.log2(sides)), SMALLEST, LARGEST)]
+
+
+def atlas_places(sizes: list[int]) -> tuple[np.ndarray, int]:
+    """Where squares of these sizes (powers of two) lie in a square, (N, 2) int, and its side.
+
+    Largest first along a Z-order curve, on which each ends where the next may begin.
+    """
+    order = np.argsort(sizes, kind="stable")[::-1]
+    ordered = np.asarray(sizes, np.int64)[order]
+    unit = ordered[-1]
+    ends = np.cumsum((ordered // unit) ** 2)
+    starts = ends - (ordered // unit) ** 2
+    places = np.zeros((len(sizes), 2), np.int64)
+    for bit in range(24):
+        places[order, 0] |= (starts >> (2 * bit) & 1) << bit
+        places[order, 1] |= (starts >> (2 * bit + 1) & 1) << bit
+    side = 1 << int(np.ceil(np.log2(np.sqrt(ends[-1]))))
+    return places * unit, int(side * unit)
+
+
+def _bake_atlas(
+    bpy_scene: bpy.types.Scene, scene: Scene, uvs: np.ndarray, side: int, samples: int, progress: Progress
+) -> tuple[np.ndarray, np.ndarray]:
+    """All lightmaps in one image of `side` texels: light (S, S, 3), row 0 at the bottom, and where there is any."""
+    target = bpy.data.images.new("Catoptric lightmaps", side, side, alpha=True, float_buffer=True)
+    total, covered = np.zeros((side, side, 3)), np.zeros((side, side), bool)
+    pixels = np.empty(side * side * 4, np.float32)
+    try:
+        target.colorspace_settings.name = "Non-Color"
+        target.generated_color = (0.0, 0.0, 0.0, 0.0)
+        with bake_stage(bpy_scene, scene, uvs, target) as (stage, solid):
+            for offset in range(0, samples, CHUNK):
+                progress("baking light", 0.1 + 0.85 * offset / samples)
+                length = min(CHUNK, samples - offset)
+                with changed(stage.cycles, seed=offset, samples=length):
+                    _bake_once(stage, solid)
+                target.pixels.foreach_get(pixels)
+                shown = pixels.reshape(side, side, 4)
+                total += shown[..., :3] * (length / samples)
+                covered |= shown[..., 3] > 0.5
+    finally:
+        bpy.data.images.remove(target)
+    return total.astype(np.float32), covered
+
+
+def _bake_once(stage: bpy.types.Scene, solid: bpy.types.Object) -> None:
+    layer = stage.view_layers[0]
+    layer.objects.active = solid
+    solid.select_set(True, view_layer=layer)
+    stage.render.bake.view_from = "ABOVE_SURFACE"
+    chosen = {"object": solid, "active_object": solid, "selected_objects": [solid]}
+    chosen |= {"scene": stage, "view_layer": layer, "selected_editable_objects": [solid]}
+    with bpy.context.temp_override(**chosen), quiet():
+        try:
+            bpy.ops.object.bake(
+                type="DIFFUSE",
+                pass_filter={"DIRECT", "INDIRECT"},
+                target="IMAGE_TEXTURES",
+                save_mode="INTERNAL",
+                use_selected_to_active=False,
+                use_clear=True,
+                margin=0,
+            )
+        except RuntimeError as error:
+            raise MachineError(f"Cycles could not bake the light: {first_line(error)}") from error
+
+
+def spread(light: np.ndarray, covered: np.ndarray, texels: int) -> np.ndarray:
+    """`light` (H, W, 3) with every uncovered texel (H, W) within reach filled by the mean of its neighbours.
+
+    What lies further off gets the mean of all, so that nothing near is darkened by a filter.
+    """
+    known = covered.astype(np.float32)
+    filled = np.where(covered[..., None], light, 0.0).astype(np.float32)
+    mean = filled.sum(axis=(0, 1)) / max(known.sum(), 1.0)
+    for _ in range(texels):
+        weight, total = _neighbours(known), _neighbours(filled)
+        fresh = (known == 0) & (weight > 0)
+        filled[fresh] = total[fresh] / weight[fresh, None]
+        known[fresh] = 1.0
+    filled[known == 0] = mean
+    return filled
+
+
+def _neighbours(values: np.ndarray) -> np.ndarray:
+    """The sum of each texel and the eight around it."""
+    padded = np.pad(values, [(1, 1), (1, 1)] + [(0, 0)] * (values.ndim - 2))
+    rows = padded[:-2] + padded[1:-1] + padded[2:]
+    return rows[:, :-2] + rows[:, 1:-1] + rows[:, 2:]
+
+
+def _with_lightmaps(scene: Scene, receivers: list[int], arrays: dict[str, np.ndarray]) -> Scene:
+    meshes = [replace(mesh, lightmap_uvs=arrays.get(f"uvs {number}")) for number, mesh in enumerate(scene.meshes)]
+    instances, images = list(scene.instances), list(scene.images)
+    for index in receivers:
+        light = arrays[f"image {index}"]
+        pixels = np.dstack([light, np.ones(light.shape[:2], np.float32)])
+        images.append(Image(f"{LIGHTMAP_NAME}{instances[index].name}", pixels))
+        instances[index] = replace(instances[index], lightmap=len(images) - 1)
+    return replace(scene, meshes=tuple(meshes), instances=tuple(instances), images=tuple(images))
