@@ -1,5 +1,7 @@
 """Geometry: what a final render shows, each evaluated mesh once."""
 
+import time
+
 import bpy
 import numpy as np
 import pytest
@@ -287,8 +289,6 @@ def test_polygons_become_their_triangles(scene):
 
 
 def test_a_million_triangles_take_seconds(scene):
-    import time
-
     count = 708
     bpy.ops.mesh.primitive_grid_add(x_subdivisions=count, y_subdivisions=count)
     bpy.context.object.data.shade_smooth()
