@@ -32,7 +32,7 @@ LAYERS = Parameter(
     "layers",
     "Most layers",
     64,
-    "Layers that are peeled before the rest is cut; what is cut is reported",
+    "Layers that each face peels before the rest is cut; what is cut is reported",
     minimum=1,
     maximum=1024,
     section="Zhang et al., 3.4",
@@ -95,7 +95,8 @@ class LayeredDepth:
 
     `name` of the mesh; `low` and `size` (3,) float64 metres of the box, a little larger than the mesh;
     `axes`: what the faces -X, -Y and -Z see, of which the opposite ones follow; `hidden` crossings
-    inside a solid, which are in no layer; `cut` fragments and texels that the cap on layers left out.
+    inside a solid, which are in no layer; `cut` fragments that the cap on layers left out between
+    opposite faces, and the texels that miss some.
     """
 
     name: str

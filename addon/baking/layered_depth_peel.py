@@ -1,6 +1,7 @@
 """Depth peeling along one axis of an object's box (Zhang et al., 3.4), exact to the last bit."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import moderngl
 import numpy as np
@@ -11,6 +12,14 @@ _NOTHING = 1.5
 """Between any depth (0 to 1) and the shader's mark for "nothing behind", 2."""
 
 
+class _Side(NamedTuple):
+    """What passes from one side have found, the depth behind it in each texel, and the fragments from there on."""
+
+    found: list[tuple[np.ndarray, ...]]
+    next_depth: np.ndarray
+    beyond: int
+
+
 @dataclass(frozen=True, eq=False)
 class Crossings:
     """Where the lines through the texel centres of one axis cross a mesh. C crossings.
@@ -19,7 +28,7 @@ class Crossings:
     the high one; `front` and `back` (C,) int32: the triangle that faces the low face and the one that
     faces away, -1 for none; `turn` (C,) int32: closed surfaces entered less closed surfaces left. All
     in the order of texel, then depth; surfaces that coincide in a texel are one crossing.
-    `cut` counts fragments and texels beyond the cap.
+    `cut` counts the fragments left out between what both sides keep, and the texels that miss some.
     """
 
     texel: np.ndarray
@@ -45,9 +54,10 @@ class Peeler:
         self._array = context.vertex_array(self._program, [(self._buffers[0], "3f", "place")], self._buffers[1])
 
     def peel(self, axis: int, shape: tuple[int, int], most: int) -> Crossings:
-        """Every crossing along `axis`, on a face of `shape` (columns along u, rows along v); `most` a texel.
+        """Every crossing along `axis`, on a face of `shape` (columns along u, rows along v).
 
-        u lies along axis + 1 and v along axis + 2, modulo 3.
+        u lies along axis + 1 and v along axis + 2, modulo 3. Of a texel with more than `most` crossings,
+        `most` are kept from either side.
         """
         context = require()
         planes = DataTexture(_planes(self._places, self._triangles, self._solid, axis))
@@ -60,29 +70,34 @@ class Peeler:
             self._program["axis"], self._program["shape"] = axis, shape
             planes.use(0)
             self._program["planes"], self._program["previous"] = 0, 1
-            return self._passes(textures, targets, most)
+            low = self._side(1.0, textures, targets, most)
+            if not low.beyond:
+                return _ordered(low.found, (0, 0))
+            return _joined(low, self._side(-1.0, textures, targets, most))
         finally:
             context.blend_equation = moderngl.FUNC_ADD
             for part in (planes, *targets, *textures):
                 part.release()
 
-    def _passes(self, textures, targets, most: int) -> Crossings:
-        layers: list[tuple[np.ndarray, ...]] = []
-        targets[1].clear(1.0)  # a depth of -1: nothing has been reached
+    def _side(self, side: float, textures, targets, most: int) -> "_Side":
+        """The first `most` crossings of every texel, seen from the low face (`side` 1) or the high one (-1)."""
+        self._program["side"] = side
+        found: list[tuple[np.ndarray, ...]] = []
+        targets[1].clear(2.0)  # nothing has been reached
         depth = np.zeros(0, np.float32)
         for index in range(most + 1):
             picture = self._draw(textures[(index + 1) % 2], targets[index % 2])
             if index:
                 texel = np.flatnonzero(depth < _NOTHING)
                 front, back, turn = picture[texel, 1:].T.astype(np.int32)
-                layers.append((texel.astype(np.int32), depth[texel], front - 1, back - 1, turn))
+                found.append((texel.astype(np.int32), side * depth[texel], front - 1, back - 1, turn))
             depth = -picture[:, 0]
             if not (depth < _NOTHING).any():
-                return _in_order(layers, (0, 0))
+                return _Side(found, depth, 0)
         query = require().query(samples=True)
         with query:
             self._draw(textures[most % 2], targets[(most + 1) % 2])
-        return _in_order(layers, (query.samples, int((depth < _NOTHING).sum())))
+        return _Side(found, depth, query.samples)
 
     def _draw(self, previous: moderngl.Texture, target: moderngl.Framebuffer) -> np.ndarray:
         """One pass; (texels, 4) float32 of what it found."""
@@ -116,9 +131,22 @@ def _planes(places: np.ndarray, triangles: np.ndarray, solid: np.ndarray, axis: 
     return rows.reshape(-1, 4)
 
 
-def _in_order(layers: list[tuple[np.ndarray, ...]], cut: tuple[int, int]) -> Crossings:
-    """The passes' finds, one after the other in each texel."""
+def _ordered(found: list[tuple[np.ndarray, ...]], cut: tuple[int, int]) -> Crossings:
+    """The passes' finds in the order of texel, then depth."""
     empty = [np.zeros(0, dtype) for dtype in (np.int32, np.float32, np.int32, np.int32, np.int32)]
-    columns = [np.concatenate(parts) for parts in zip(*layers, strict=True)] if layers else empty
-    order = np.argsort(columns[0], kind="stable")
+    columns = [np.concatenate(parts) for parts in zip(*found, strict=True)] if found else empty
+    order = np.lexsort((columns[1], columns[0]))
     return Crossings(*(column[order] for column in columns), cut)
+
+
+def _joined(low: _Side, high: _Side) -> Crossings:
+    """What either side has found, once. What both missed is cut."""
+    both = _ordered(low.found + high.found, (0, 0))
+    fresh = np.concatenate([[True], (np.diff(both.texel) != 0) | (np.diff(both.depth) != 0)])
+    nearest = np.full(len(low.next_depth), 2.0, np.float32)
+    np.minimum.at(nearest, *(np.concatenate([part[column] for part in high.found]) for column in (0, 1)))
+    texels = int((low.next_depth < nearest).sum())
+    known = sum(len(part[0]) for part in low.found)
+    fragments = max(0, low.beyond - (int(fresh.sum()) - known)) if texels else 0
+    columns = (both.texel, both.depth, both.front, both.back, both.turn)
+    return Crossings(*(column[fresh] for column in columns), (fragments, texels))

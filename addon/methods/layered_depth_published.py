@@ -111,6 +111,7 @@ class LayeredDepthPublished(DeferredMethod):
         self._regions.bind(shader, _FIRST_UNIT + UNITS)
         for name in ("linear_steps", "binary_steps", "threshold", "nearest"):
             shader[name] = self.settings[name]
+        shader["most_layers"] = self.settings[LAYERS.name]
         shader["use_regions"] = self.settings["regions"]
         shader["objects"] = len(self.scene.instances)
 

@@ -7,6 +7,7 @@ uniform sampler2D peeled_boxes;     // 2 texels an instance: low corner | size
 uniform usampler2D peeled_texels;   // first layer, layers
 uniform sampler2D peeled_layers;    // 2 texels a layer: color, depth of its entry | of its exit
 
+uniform int most_layers;            // that a face sees
 uniform int linear_steps;
 uniform int binary_steps;
 uniform float threshold;            // texels between ray and surface that count as a hit
@@ -66,7 +67,7 @@ float height_of(Face face, vec3 place) {
 int layer_around(Face face, vec3 place) {
     float h = height_of(face, place);
     ivec2 layers = layers_at(face, place);
-    for (int j = 0; j < layers.y; ++j) {
+    for (int j = 0; j < min(layers.y, most_layers); ++j) {
         vec2 depth = depths_of(face, layers, j);
         if (h < depth.x) return NONE;
         if (h <= depth.y) return j;

@@ -9,8 +9,9 @@
 uniform sampler2D planes;    // 2 texels a triangle: u, v, depth of a corner, least depth | slopes, greatest depth, solid
 uniform sampler2D previous;  // what this shader wrote in the last pass
 uniform vec2 shape;          // texels along u and v
+uniform float side;          // 1 peels from the low face on, -1 from the high one
 
-// Minus the next depth (MAX), triangle + 1 that faces the eye (MAX), triangle + 1 that faces
+// Minus the next depth, times `side` (MAX), triangle + 1 that faces the eye (MAX), triangle + 1 that faces
 // away (MAX), solids entered minus solids left (ADD).
 out vec4 found;
 
@@ -20,7 +21,7 @@ void main() {
     vec4 corner = texelFetch(planes, texel_at(2 * gl_PrimitiveID), 0);
     vec4 slope = texelFetch(planes, texel_at(2 * gl_PrimitiveID + 1), 0);
     vec2 across = gl_FragCoord.xy / shape - corner.xy;
-    float depth = clamp(corner.z + dot(slope.xy, across), corner.w, slope.z);
+    float depth = side * clamp(corner.z + dot(slope.xy, across), corner.w, slope.z);
     float reached = -texelFetch(previous, ivec2(gl_FragCoord.xy), 0).x;
     if (depth < reached) discard;
     if (depth > reached) {
