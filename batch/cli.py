@@ -17,7 +17,7 @@ from ..scenes import SCENES
 from . import jobs, tasks
 from .manual import print_methods
 from .options import PEERS, parse_frames, parse_names, parse_resolution, parse_settings
-from .progress import Terminal
+from .progress import Terminal, blender_on_stderr
 from .sources import locate
 
 WRONG, STOPPED = 2, 130
@@ -151,9 +151,15 @@ def methods() -> int:
 
 
 def main(arguments: Sequence[str] | None = None) -> int:
-    """Run a command line, `sys.argv`'s by default; returns the exit status. Errors become one line on stderr."""
+    """Run a command line, by default `sys.argv` and as its process' only task; returns the exit status.
+
+    Errors become one line on stderr.
+    """
+    if arguments is None:
+        with blender_on_stderr():
+            return main(sys.argv[1:])
     try:
-        return app(args=arguments, prog_name="catoptric", standalone_mode=False) or 0
+        return app(args=list(arguments), prog_name="catoptric", standalone_mode=False) or 0
     except TyperException as error:
         if error.format_message():
             _complain(f"{error.format_message()} (catoptric --help explains)")

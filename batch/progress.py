@@ -1,5 +1,9 @@
 """Progress on a terminal: one bar a scene, with the time left; nothing where nobody looks."""
 
+import os
+import sys
+from collections.abc import Iterator
+from contextlib import contextmanager
 from threading import Event
 
 from rich.console import Console
@@ -76,3 +80,19 @@ class Terminal:
     def warn(self, line: str) -> None:
         """A line that a person should read, though the work goes on."""
         self.errors.print(f"catoptric: {line}", markup=False)
+
+
+@contextmanager
+def blender_on_stderr() -> Iterator[None]:
+    """What Blender's own code logs to file descriptor 1 goes to stderr, so that stdout holds results alone."""
+    ours = sys.stdout
+    ours.flush()
+    results = os.dup(1)
+    os.dup2(2, 1)
+    try:
+        with open(results, "w", encoding=ours.encoding, closefd=False) as sys.stdout:
+            yield
+    finally:
+        sys.stdout = ours
+        os.dup2(results, 1)
+        os.close(results)

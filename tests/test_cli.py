@@ -149,6 +149,13 @@ def test_an_archive_is_drawn_as_its_blend_file_is(blend, archive, tmp_path):
     np.testing.assert_array_equal(*pictures)
 
 
+def test_stdout_holds_results_alone(blend, tmp_path):
+    out = tmp_path / "x.png"
+    process = start("render", blend, "--method", "environment-map", "--out", out, "--resolution", SIZE)
+    printed, _ = process.communicate(timeout=120)
+    assert printed == f"{out}\n"
+
+
 def test_an_archive_renders_where_blender_is_not(archive, tmp_path):
     out = tmp_path / "picture.png"
     script = (
