@@ -3,7 +3,7 @@
 import moderngl
 import numpy as np
 
-from ..drawing import FREE_UNIT, Resident, Visibility, screen_pass, world_box, world_to_clip
+from ..drawing import FREE_UNIT, Resident, ScreenPass, Visibility, world_box, world_to_clip
 from ..errors import MachineError
 from ..gl import DataTexture, require
 from ..scene import Camera, Scene
@@ -33,6 +33,7 @@ class EnvironmentCubes:
         self._texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
         self._target = context.framebuffer([self._texture])
         self._visibility = Visibility(self.size, self.size)
+        self._passes = [ScreenPass(name, resident) for name in ("lit/lit.frag", "environment_map/world_only.frag")]
         boxes = _boxes(resident.scene)
         self._captures = DataTexture(boxes.reshape(-1, 4) if len(boxes) else np.zeros((1, 4), np.float32))
         self._cameras = [face_cameras(box[0, :3], boxes, self.size) for box in boxes]
@@ -47,8 +48,8 @@ class EnvironmentCubes:
 
     def _capture_face(self, camera: Camera, hidden: frozenset[int], corner: tuple[int, int]) -> None:
         self._visibility.draw(self._resident, world_to_clip(camera, self.size, self.size), hidden)
-        for name in ("lit/lit.frag", "environment_map/world_only.frag"):
-            screen_pass(name).draw(self._resident, camera, self._visibility, self._target, corner=corner)
+        for drawn in self._passes:
+            drawn.draw(camera, self._visibility, self._target, corner=corner)
 
     def bind(self, shader: moderngl.Program) -> None:
         """Set what gpu_shaders/common/environment.glsl reads, on the two texture units after FREE_UNIT."""

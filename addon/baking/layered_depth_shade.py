@@ -16,7 +16,7 @@ class Shader:
     def __init__(self, resident: Resident, instance: int, low: np.ndarray, size: np.ndarray) -> None:
         """`low` and `size` (3,) of the box in the mesh's space."""
         self._resident = resident
-        self._shader = program(None, "peel/shade.frag")
+        self._shader = program(None, "peel/shade.frag", resident.defines)
         self._screen = screen(self._shader)
         counts = [len(mesh.triangles) for mesh in resident.scene.meshes]
         first = sum(counts[: resident.scene.instances[instance].mesh])

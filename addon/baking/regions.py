@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ..drawing import FREE_UNIT, Resident, Visibility, screen_pass, world_to_clip
+from ..drawing import FREE_UNIT, Resident, ScreenPass, Visibility, world_to_clip
 from ..gl import DataTexture, on_gl_thread, program, require, screen
 from ..scene import Camera, Instance, Mesh, Scene
 
@@ -135,11 +135,11 @@ def region_view(resident: Resident, camera: Camera, width: int, height: int) -> 
     try:
         regions.update(camera)
         visibility.draw(resident, world_to_clip(camera, width, height))
-        view = screen_pass("regions/view.frag")
+        view = ScreenPass("regions/view.frag", resident)
         view.shader["objects"] = len(resident.scene.instances)
         regions.bind(view.shader, FREE_UNIT + 1)
         target.clear()
-        view.draw(resident, camera, visibility, target)
+        view.draw(camera, visibility, target)
         picture = np.frombuffer(texture.read(), np.float32).reshape(height, width, 4)[::-1, :, :3].copy()
         seen = np.frombuffer(visibility.texture.read(), np.uint32).reshape(-1, 2)
         return picture, removed(resident.scene, regions.masks(), seen)

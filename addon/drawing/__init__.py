@@ -1,6 +1,6 @@
 """The Scene on the GPU: laid out as tables, uploaded, rasterised and lit."""
 
-from .passes import ScreenPass, screen_pass
+from .passes import ScreenPass
 from .resident import FREE_UNIT, Resident
 from .tables import tables_of, world_box
 from .visibility import Visibility, world_to_clip
@@ -10,7 +10,6 @@ __all__ = [
     "Resident",
     "ScreenPass",
     "Visibility",
-    "screen_pass",
     "tables_of",
     "world_box",
     "world_to_clip",

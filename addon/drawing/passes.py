@@ -1,7 +1,5 @@
 """Full-screen passes over what the visibility pass found."""
 
-from functools import cache
-
 import moderngl
 
 from ..gl import program, require, screen
@@ -13,14 +11,14 @@ from .visibility import Visibility, set_camera
 class ScreenPass:
     """A fragment shader, built on gpu_shaders/common/picture.glsl, run at every pixel. Lives on the GL thread."""
 
-    def __init__(self, fragment: str) -> None:
-        """Compile `fragment`, a file below gpu_shaders/."""
-        self.shader = program(None, fragment)
+    def __init__(self, fragment: str, resident: Resident) -> None:
+        """Compile `fragment`, a file below gpu_shaders/, for the light of `resident`; a second time costs nothing."""
+        self._resident = resident
+        self.shader = program(None, fragment, resident.defines)
         self._screen = screen(self.shader)
 
     def draw(
         self,
-        resident: Resident,
         camera: Camera,
         visibility: Visibility,
         target: moderngl.Framebuffer,
@@ -42,7 +40,7 @@ class ScreenPass:
         blending = moderngl.BLEND if blend else moderngl.NOTHING
         context.enable_only(blending | (moderngl.DEPTH_TEST if on_reflectors else moderngl.NOTHING))
         context.blend_func = moderngl.ONE, moderngl.ONE
-        resident.bind(self.shader)
+        self._resident.bind(self.shader)
         set_camera(self.shader, camera, *visibility.size, offset)
         visibility.texture.use(FREE_UNIT)
         self.shader["visibility"] = FREE_UNIT
@@ -52,9 +50,3 @@ class ScreenPass:
         context.depth_func = ">"
         self._screen.render(vertices=3)
         context.depth_func = "<"
-
-
-@cache
-def screen_pass(fragment: str) -> ScreenPass:
-    """The pass of a shader file, compiled once."""
-    return ScreenPass(fragment)

@@ -36,6 +36,11 @@ class Resident:
         indices = context.buffer(np.ascontiguousarray(mesh.triangles, np.int32))
         return context.vertex_array(self._visibility, [(vertices, "3f", "position")], indices)
 
+    @property
+    def defines(self) -> dict[str, int]:
+        """What a program that lights surfaces (gpu_shaders/common/lighting.glsl) is compiled with."""
+        return {"LIGHTING": _LIGHTING[self.lighting]}
+
     def bind(self, shader: moderngl.Program) -> None:
         """Bind every table that `shader` reads, and set the uniforms that belong to the scene."""
         for unit, (name, texture) in enumerate(self._textures.items()):
@@ -43,7 +48,6 @@ class Resident:
                 texture.use(unit)
                 shader[name] = unit
         uniforms = {
-            "lighting": _LIGHTING[self.lighting],
             "world_color": self.scene.world.color,
             "world_panorama": self._panorama,
             "hierarchy_nodes": self._hierarchy_nodes,

@@ -147,20 +147,20 @@ def _images(images: Sequence[Image]) -> dict[str, np.ndarray]:
 
 
 def _layers(layers: Sequence[Layers], first_triangle: np.ndarray) -> dict[str, np.ndarray]:
-    nodes, entries, grids = [np.zeros((1, 4), np.uint32)], [np.zeros(1, np.uint32)], []
+    nodes, entries, grids = [np.zeros((1, 4), np.uint32)], [np.zeros((1, 2), np.uint32)], []
     first_node = first_entry = 1
     for mesh, first in zip(layers, first_triangle, strict=False):
         for grid in mesh.grids:
             placed = grid.nodes.copy()
             placed[:, 2] += np.uint32(first_entry)
             nodes.append(placed)
-            entries.append(grid.entries + np.uint32(first))
+            entries.append(grid.entries + np.array([first, 0], np.uint32))
             first_node += len(grid.nodes)
             first_entry += len(grid.entries)
             grids.append((*grid.shape, grid.levels, first_node - 1))
     return {
         "layer_nodes": np.concatenate(nodes),
-        "layer_entries": np.concatenate(entries)[:, None],
+        "layer_entries": np.concatenate(entries),
         "layer_grids": np.array(grids or [(0, 0, 0, 0)], np.uint32),
     }
 

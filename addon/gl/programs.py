@@ -71,6 +71,7 @@ def _located(message: str, files: list[str]) -> str:
     return re.sub(r"\b(\d+)[:(](\d+)\)?", name, message)
 
 
+@cache
 def screen(shader: moderngl.Program) -> moderngl.VertexArray:
-    """A vertex array that covers the viewport with `shader`; render it with `vertices=3`."""
+    """A vertex array that covers the viewport with `shader`; render it with `vertices=3`. Made once."""
     return require().vertex_array(shader, [])

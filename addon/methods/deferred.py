@@ -6,7 +6,7 @@ from typing import ClassVar
 import moderngl
 import numpy as np
 
-from ..drawing import Resident, Visibility, screen_pass, world_to_clip
+from ..drawing import Resident, ScreenPass, Visibility, world_to_clip
 from ..errors import MachineError, UsageError
 from ..gl import median_ms, on_gl_thread, require
 from ..progress import Progress, silent
@@ -30,8 +30,8 @@ class DeferredMethod(Method):
         self.scene = scene
         self.resident = Resident(scene, lighting)
         self.bake(progress)
-        self._lit = screen_pass("lit/lit.frag")
-        self._reflection = screen_pass(self.shader)
+        self._lit = ScreenPass("lit/lit.frag", self.resident)
+        self._reflection = ScreenPass(self.shader, self.resident)
 
     def bake(self, progress: Progress) -> None:
         """Bake what the reflections need; on the GL thread, with `self.resident` at hand."""
@@ -76,13 +76,13 @@ class DeferredMethod(Method):
     def _draw(self, view, visibility, target, offset=(0.0, 0.0), weight=1.0) -> None:
         visibility.draw(self.resident, world_to_clip(view.camera, view.width, view.height, offset))
         visibility.mark_reflectors(self.resident)
-        self._lit.draw(self.resident, view.camera, visibility, target, offset=offset, weight=weight)
+        self._lit.draw(view.camera, visibility, target, offset=offset, weight=weight)
         self._reflect(view, visibility, target, offset=offset, weight=weight)
 
     def _reflect(self, view, visibility, target, on_reflectors=True, **sample) -> None:
         self.before_frame(view)
         self.bind_reflection(self._reflection.shader, view)
-        self._reflection.draw(self.resident, view.camera, visibility, target, on_reflectors=True, **sample)
+        self._reflection.draw(view.camera, visibility, target, on_reflectors=True, **sample)
 
     def free(self) -> None:
         """Give back what `bake` took; on the GL thread."""

@@ -29,7 +29,8 @@ class Grid:
     """The columns along one axis. `shape` (columns along u, columns along v), `levels` in the pyramid.
 
     `nodes` (N, 4) uint32, finest level first, u fastest: occupied slices (two words) and, at the
-    finest level, the first entry and how many. `entries` (E,) uint32 triangle indices.
+    finest level, the first entry and how many. `entries` (E, 2) uint32: triangle, and its first slice
+    in the column plus 256 times its last.
     """
 
     shape: tuple[int, int]
@@ -77,16 +78,16 @@ def _grid(axis: int, members: np.ndarray, unit: np.ndarray, size: np.ndarray, si
     points = unit[members][:, :, order] * [*shape, SLICES]
     column, triangle, first, last = _overlaps(points, shape)
     by_column = np.argsort(column, kind="stable")
-    column, words = column[by_column], _slice_words(first[by_column], last[by_column])
+    column, triangle, first, last = (part[by_column] for part in (column, triangle, first, last))
     count = np.bincount(column, minlength=shape.prod())
     start = np.concatenate([[0], np.cumsum(count)[:-1]])
     finest = np.zeros((shape.prod(), 4), np.uint32)
     occupied = count > 0
     if len(column):
-        finest[occupied, :2] = np.bitwise_or.reduceat(words, start[occupied], axis=0)
+        finest[occupied, :2] = np.bitwise_or.reduceat(_slice_words(first, last), start[occupied], axis=0)
     finest[:, 2], finest[:, 3] = start, count
     levels = _pyramid(finest, shape)
-    entries = members[triangle[by_column]].astype(np.uint32)
+    entries = np.stack([members[triangle], first | last << 8], axis=1).astype(np.uint32)
     return Grid((int(shape[0]), int(shape[1])), len(levels), np.concatenate(levels), entries)
 
 

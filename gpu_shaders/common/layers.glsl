@@ -6,10 +6,10 @@
 uniform sampler2D hierarchy;      // 2 texels a node: low, next on a miss | high, instance or NONE
 uniform int hierarchy_nodes;
 uniform usampler2D layer_nodes;   // 1 texel a block of columns: slices (2 words), first entry, entries
-uniform usampler2D layer_entries; // 1 texel an entry: triangle
+uniform usampler2D layer_entries; // 1 texel an entry: triangle, first slice + 256 × last slice
 uniform usampler2D layer_grids;   // 3 texels a mesh, 1 an axis: columns along u and v, levels, coarsest node
 
-const float SLICES = 64.0;
+const int SLICES = 64;
 const float NUDGE = 2e-3;  // columns: past a border, less than triangles are widened
 
 // The part of a ray within a box: from `start` metres along the ray, `end` metres long.
@@ -35,15 +35,22 @@ uint bits_between(int first, int last) {
     return first > last ? 0u : (0xffffffffu >> (31 - last + first)) << first;
 }
 
-bool occupied(uvec2 words, float depth_a, float depth_b) {
-    int first = int(floor(min(depth_a, depth_b) - 1e-3)), last = int(floor(max(depth_a, depth_b) + 1e-3));
-    return ((words.x & bits_between(first, last)) | (words.y & bits_between(first - 32, last - 32))) != 0u;
+// First and last slice that a ray passes between two depths.
+ivec2 slices_between(vec2 depth) {
+    return clamp(ivec2(floor(vec2(min(depth.x, depth.y) - 1e-3, max(depth.x, depth.y) + 1e-3))), 0, SLICES - 1);
 }
 
-// Tests the triangles of one column against the ray, given in the mesh's space from its box on.
-void meet_entries(uvec4 column, Segment ray, float least, int instance, Hit from, inout Hit hit) {
+bool occupied(uvec2 words, ivec2 slices) {
+    uint low = words.x & bits_between(slices.x, slices.y);
+    return (low | (words.y & bits_between(slices.x - 32, slices.y - 32))) != 0u;
+}
+
+// Tests the triangles in some slices of a column against the ray, given in the mesh's space from its box on.
+void meet_entries(uvec4 column, ivec2 slices, Segment ray, float least, int instance, Hit from, inout Hit hit) {
     for (uint i = 0u; i < column.w; ++i) {
-        int triangle = int(texelFetch(layer_entries, texel_at(int(column.z + i)), 0).x);
+        uvec2 entry = texelFetch(layer_entries, texel_at(int(column.z + i)), 0).xy;
+        int triangle = int(entry.x);
+        if (int(entry.y & 255u) > slices.y || int(entry.y >> 8) < slices.x) continue;
         vec3 met = meet_plane(ray.origin, ray.direction, triangle_at(triangle));
         float distance = ray.start + met.z;
         bool inside = met.x >= -1e-6 && met.y >= -1e-6 && met.x + met.y <= 1.000001;
@@ -75,13 +82,13 @@ void walk_columns(ivec4 grid, Segment local, Segment ray, float least, int insta
         float next = max(min(min(leaves.x, leaves.y), local.end), at);
         int row = (shape.x + (1 << level) - 1) >> level;
         uvec4 node = texelFetch(layer_nodes, texel_at(first_node + block.x + row * block.y), 0);
-        vec2 depth = local.origin.z + vec2(at, next) * local.direction.z;
-        if (occupied(node.xy, depth.x, depth.y)) {
+        ivec2 slices = slices_between(local.origin.z + vec2(at, next) * local.direction.z);
+        if (occupied(node.xy, slices)) {
             if (level > 0) {
                 first_node -= blocks_at(shape, --level);
                 continue;
             }
-            meet_entries(node, ray, least, instance, from, hit);
+            meet_entries(node, slices, ray, least, instance, from, hit);
         }
         if (next >= local.end) return;
         ivec2 after = ivec2(local.origin.xy + next * local.direction.xy + nudge) >> level;

@@ -4,16 +4,21 @@
 #include "common/world.glsl"
 #include "common/lamps.glsl"
 
-const int UNLIT = 0, LIGHTMAPS = 1, DIRECT = 2;
+#define UNLIT 0
+#define LIGHTMAPS 1
+#define DIRECT 2
 
-uniform int lighting;
+// LIGHTING, one of these, is defined by the program: a compiler then drops the others.
 
 vec3 scattered(Surface s) {
-    if (lighting == UNLIT) return s.emits ? vec3(0.0) : s.base * (s.reflects ? s.diffuse : 1.0);
-    vec3 irradiance = vec3(0.0);
-    if (lighting == DIRECT) irradiance = lamp_light(s) + world_light(s.normal);
-    else if (s.lightmap != NONE) irradiance = image_at(s.lightmap, s.lightmap_uv, LINEAR, EXTEND).rgb;
-    return s.base * s.diffuse * irradiance;
+#if LIGHTING == UNLIT
+    return s.emits ? vec3(0.0) : s.base * (s.reflects ? s.diffuse : 1.0);
+#elif LIGHTING == LIGHTMAPS
+    if (s.lightmap == NONE) return vec3(0.0);
+    return s.base * s.diffuse * image_at(s.lightmap, s.lightmap_uv, LINEAR, EXTEND).rgb;
+#else
+    return s.base * s.diffuse * (lamp_light(s) + world_light(s.normal));
+#endif
 }
 
 // `mirrored` is the share that the surface reflects; a dielectric scatters only what passes it.
