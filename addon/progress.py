@@ -12,3 +12,8 @@ half-written when it does.
 
 def silent(stage: str, fraction: float) -> None:
     """The progress callback that shows nothing."""
+
+
+def part_of(progress: Progress, start: float, end: float) -> Progress:
+    """A callback for one step of larger work: its 0 to 1 is `start` to `end` of `progress`."""
+    return lambda stage, fraction: progress(stage, start + (end - start) * fraction)

@@ -13,7 +13,7 @@ from ..addon.errors import CatoptricError, SceneError
 from ..addon.methods.contract import Frame
 from ..addon.methods.registry import METHODS
 from ..addon.parameters import Value
-from ..addon.progress import Progress, silent
+from ..addon.progress import Progress, part_of, silent
 from ..addon.scene import Lighting, Scene
 from .judging import Shot
 from .machine import check_size, describe
@@ -222,10 +222,9 @@ def photograph(shot: Shot, name: str, settings: Mapping[str, Value], progress: P
     """The method's picture of the shot, and the milliseconds that its bake took."""
     method = METHODS[name](settings)
     start = time.perf_counter()
-    method.prepare(shot.scene, shot.lighting, progress)
+    method.prepare(shot.scene, shot.lighting, part_of(progress, 0.0, 0.5))
     bake_ms = (time.perf_counter() - start) * 1e3
     try:
-        progress("rendering", 0.5)
-        return shot.take(method), bake_ms
+        return shot.take(method, part_of(progress, 0.5, 1.0)), bake_ms
     finally:
         method.release()

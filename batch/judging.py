@@ -10,6 +10,7 @@ import numpy as np
 from ..addon.methods.contract import Frame, Method, View
 from ..addon.metrics import Figures, error_maps, exposures_of, noise_maps
 from ..addon.parameters import Value
+from ..addon.progress import Progress, silent
 from ..addon.scene import Lighting, Scene
 from .pictures import image_paths, save_exr, save_images
 from .results import Images, Noise, Result, Times
@@ -36,9 +37,9 @@ class Shot:
     deviation: np.ndarray | None = None
     mask: np.ndarray | None = None
 
-    def take(self, method: Method) -> Frame:
+    def take(self, method: Method, progress: Progress = silent) -> Frame:
         """The picture of a prepared method."""
-        frame = method.render(View(self.scene.camera, *self.size, SUPERSAMPLING))
+        frame = method.render(View(self.scene.camera, *self.size, SUPERSAMPLING), progress)
         if self.mask is None:
             self.mask = frame.reflectors >= 0.5
         return frame

@@ -44,8 +44,7 @@ def render(
     check_size(*size)
     drawing.prepare(scene, lighting, bar.step(method, 0.6, 0.8))
     try:
-        bar.step(method, 0.8, 1.0)("rendering", 0.0)
-        picture = drawing.render(View(scene.camera, *size, SUPERSAMPLING))
+        picture = drawing.render(View(scene.camera, *size, SUPERSAMPLING), bar.step(method, 0.8, 1.0))
     finally:
         drawing.release()
     writer(out, picture.color)

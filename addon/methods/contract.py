@@ -64,7 +64,7 @@ class Method(ABC):
         """Bake what the scene needs; called once for a scene before any `render`."""
 
     @abstractmethod
-    def render(self, view: View) -> Frame:
+    def render(self, view: View, progress: Progress = silent) -> Frame:
         """The picture of the prepared scene."""
 
     @abstractmethod

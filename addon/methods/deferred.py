@@ -44,7 +44,7 @@ class DeferredMethod(Method):
         """What the method draws anew for every frame, before the reflections; counted in their time."""
 
     @on_gl_thread
-    def render(self, view: View) -> Frame:
+    def render(self, view: View, progress: Progress = silent) -> Frame:
         """The picture, `view.samples` squared samples a pixel; times are of one sample a pixel."""
         _check_size(view)
         size = (view.width, view.height)
@@ -55,32 +55,38 @@ class DeferredMethod(Method):
         probe = require().framebuffer([once, distance], visibility.reflectors)
         picture.depth_mask = probe.depth_mask = False  # neither a pass nor a clear may wipe the mask
         try:
+            progress("timing", 0.0)
             time_ms = self._time(view, visibility, picture)
             probe.clear(np.nan, np.nan, np.nan, np.nan)
             self._reflect(view, visibility, probe, blend=False)
             picture.clear()
             side = view.samples
             for index in range(side * side):
+                progress("rendering", index / side**2)
                 offset = ((index % side + 0.5) / side - 0.5, (index // side + 0.5) / side - 0.5)
-                self._draw(view, visibility, picture, offset, 1.0 / side**2)
+                self._see(view, visibility, picture, offset=offset, weight=1.0 / side**2)
+                self._reflect(view, visibility, picture, offset=offset, weight=1.0 / side**2)
             return _frame(picture, probe, time_ms)
         finally:
             for part in (picture, probe, sums, once, distance, visibility):
                 part.release()
 
     def _time(self, view: View, visibility: Visibility, target: moderngl.Framebuffer) -> dict[str, float]:
-        frame = median_ms(lambda: self._draw(view, visibility, target), _TIMED_FRAMES)
-        reflection = median_ms(lambda: self._reflect(view, visibility, target), _TIMED_FRAMES)
-        return {"reflection": reflection, "frame": frame}
+        def reflect() -> None:
+            self.before_frame(view)
+            self._reflect(view, visibility, target)
 
-    def _draw(self, view, visibility, target, offset=(0.0, 0.0), weight=1.0) -> None:
+        scene = median_ms(lambda: self._see(view, visibility, target), _TIMED_FRAMES)
+        reflection = median_ms(reflect, _TIMED_FRAMES)
+        return {"reflection": reflection, "frame": scene + reflection}
+
+    def _see(self, view, visibility, target, offset=(0.0, 0.0), weight=1.0) -> None:
+        """The scene without reflections, and which pixels show a reflector."""
         visibility.draw(self.resident, world_to_clip(view.camera, view.width, view.height, offset))
         visibility.mark_reflectors(self.resident)
         self._lit.draw(view.camera, visibility, target, offset=offset, weight=weight)
-        self._reflect(view, visibility, target, offset=offset, weight=weight)
 
-    def _reflect(self, view, visibility, target, on_reflectors=True, **sample) -> None:
-        self.before_frame(view)
+    def _reflect(self, view, visibility, target, **sample) -> None:
         self.bind_reflection(self._reflection.shader, view)
         self._reflection.draw(view.camera, visibility, target, on_reflectors=True, **sample)
 
