@@ -84,7 +84,7 @@ def test_a_sun_on_a_floor_is_known_exactly(bare_stage):
     for name, wanted in (("floor", 3.0 / pi * cos(0.7)), ("roof", 3.0 / pi)):
         index = named(lit, name)
         light = look_up(lit, index, points_on(lit, index, 200)[2])
-        np.testing.assert_allclose(light, wanted, rtol=0.01)
+        np.testing.assert_allclose(light, wanted, rtol=0.02)  # the denoiser may err by 1.5 %
 
 
 def test_flat_sides_and_mirrored_objects_get_the_light_of_their_own_side(bare_stage):
@@ -288,11 +288,11 @@ def test_neighbouring_charts_keep_their_distance():
 
 @given(st.lists(st.sampled_from([32, 64, 128, 256, 512, 1024]), min_size=1, max_size=40))
 def test_places_in_the_atlas_do_not_overlap(sizes):
-    places, side = atlas_places(sizes)
-    used = np.zeros((side // 32, side // 32), int)
+    places, (width, height) = atlas_places(sizes)
+    used = np.zeros((height // 32, width // 32), int)
     for (x, y), size in zip(places // 32, np.array(sizes) // 32, strict=True):
-        assert x + size <= side // 32
-        assert y + size <= side // 32
+        assert x + size <= width // 32
+        assert y + size <= height // 32
         used[y : y + size, x : x + size] += 1
     assert used.max() == 1
     assert used.mean() > 0.25
@@ -315,6 +315,16 @@ def test_light_spreads_beyond_borders_without_darkening():
     assert (filled[covered] == light[covered]).all()
     np.testing.assert_allclose(filled[2:11, 2:9], np.broadcast_to((1, 2, 3), (9, 7, 3)), rtol=1e-5)
     np.testing.assert_allclose(filled[0, 0], (2, 2, 2), rtol=1e-5)
+
+
+def test_what_is_walled_in_does_not_darken_what_is_beside_it():
+    light = np.ones((12, 12, 3), np.float32)
+    hidden = np.zeros((12, 12), bool)
+    hidden[:, 6:] = True
+    light[hidden] = 0.0
+    filled = spread(light, np.ones((12, 12), bool), 8, hidden)
+    assert (filled[:, :8] == 1.0).all()
+    assert (filled[:, 8:] == 0.0).all()
 
 
 def test_a_scene_without_scattering_is_returned_as_it_is(bare_stage):

@@ -28,7 +28,7 @@ _SPREAD = 8
 def bake_lightmaps(
     bpy_scene: bpy.types.Scene,
     scene: Scene,
-    samples: int = 64,
+    samples: int = 32,
     texels: int = 1 << 20,
     cache: Cache | None = None,
     progress: Progress = silent,
@@ -71,18 +71,18 @@ def _bake(
         progress("unwrapping", 0.1 * number / len(receivers))
         users = [size for index, size in zip(receivers, sizes, strict=True) if scene.instances[index].mesh == mesh]
         uvs[mesh] = unwrap(scene.meshes[mesh], min(users))
-    places, side = atlas_places(sizes)
+    places, extent = atlas_places(sizes)
     layout = []
     tiles = dict(zip(receivers, zip(places, sizes, strict=True), strict=True))
     for index, instance in enumerate(scene.instances):
         if index in tiles:
             place, size = tiles[index]
-            layout.append((uvs[instance.mesh] * size + place) / side)
+            layout.append((uvs[instance.mesh] * size + place) / extent)
         else:
             layout.append(np.full((len(scene.meshes[instance.mesh].triangles), 3, 2), _OUTSIDE))
-    light, covered = _bake_atlas(bpy_scene, scene, np.concatenate(layout).astype(np.float32), side, samples, progress)
+    light, covered = _bake_atlas(bpy_scene, scene, np.concatenate(layout).astype(np.float32), extent, samples, progress)
     progress("denoising the light", 0.95)
-    light = denoised(spread(light, covered, _SPREAD))
+    light = denoised(spread(light, covered, _SPREAD, hidden=covered & ~light.any(axis=-1) & _has_sky(scene)))
     arrays = {f"uvs {mesh}": coordinates for mesh, coordinates in uvs.items()}
     for index, ((x, y), size) in tiles.items():
         arrays[f"image {index}"] = light[y : y + size, x : x + size].copy()
@@ -102,16 +102,16 @@ def world_area(scene: Scene, index: int) -> float:
 def lightmap_sizes(areas: list[float], texels: int) -> list[int]:
     """Texels a side, powers of two, of lightmaps that together have about `texels`.
 
-    A large surface gets fewer texels a square metre than a small one (by the power 2/3 of its
+    A large surface gets fewer texels a square metre than a small one (as many as the root of its
     area): else a wide floor leaves nothing to what stands on it.
     """
-    shares = np.maximum(areas, 1e-12) ** (2 / 3)
+    shares = np.sqrt(np.maximum(areas, 1e-12))
     sides = np.sqrt(texels * shares / shares.sum())
     return [int(size) for size in np.clip(2 ** np.round(np.log2(sides)), SMALLEST, LARGEST)]
 
 
-def atlas_places(sizes: list[int]) -> tuple[np.ndarray, int]:
-    """Where squares of these sizes (powers of two) lie in a square, (N, 2) int, and its side.
+def atlas_places(sizes: list[int]) -> tuple[np.ndarray, np.ndarray]:
+    """Where squares of these sizes (powers of two) lie, (N, 2) int, and width and height of all together.
 
     Largest first along a Z-order curve, on which each ends where the next may begin.
     """
@@ -124,17 +124,18 @@ def atlas_places(sizes: list[int]) -> tuple[np.ndarray, int]:
     for bit in range(24):
         places[order, 0] |= (starts >> (2 * bit) & 1) << bit
         places[order, 1] |= (starts >> (2 * bit + 1) & 1) << bit
-    side = 1 << int(np.ceil(np.log2(np.sqrt(ends[-1]))))
-    return places * unit, int(side * unit)
+    places *= unit
+    return places, (places + np.asarray(sizes)[:, None]).max(axis=0)
 
 
 def _bake_atlas(
-    bpy_scene: bpy.types.Scene, scene: Scene, uvs: np.ndarray, side: int, samples: int, progress: Progress
+    bpy_scene: bpy.types.Scene, scene: Scene, uvs: np.ndarray, extent: np.ndarray, samples: int, progress: Progress
 ) -> tuple[np.ndarray, np.ndarray]:
-    """All lightmaps in one image of `side` texels: light (S, S, 3), row 0 at the bottom, and where there is any."""
-    target = bpy.data.images.new("Catoptric lightmaps", side, side, alpha=True, float_buffer=True)
-    total, covered = np.zeros((side, side, 3)), np.zeros((side, side), bool)
-    pixels = np.empty(side * side * 4, np.float32)
+    """All lightmaps in one image, `extent` wide and high: light (H, W, 3), row 0 at the bottom, and where it is."""
+    width, height = extent.tolist()
+    target = bpy.data.images.new("Catoptric lightmaps", width, height, alpha=True, float_buffer=True)
+    total, covered = np.zeros((height, width, 3), np.float32), np.zeros((height, width), bool)
+    pixels = np.empty(width * height * 4, np.float32)
     try:
         target.colorspace_settings.name = "Non-Color"
         target.generated_color = (0.0, 0.0, 0.0, 0.0)
@@ -145,12 +146,12 @@ def _bake_atlas(
                 with changed(stage.cycles, seed=offset, samples=length):
                     _bake_once(stage, solid)
                 target.pixels.foreach_get(pixels)
-                shown = pixels.reshape(side, side, 4)
+                shown = pixels.reshape(height, width, 4)
                 total += shown[..., :3] * (length / samples)
                 covered |= shown[..., 3] > 0.5
     finally:
         bpy.data.images.remove(target)
-    return total.astype(np.float32), covered
+    return total, covered
 
 
 def _bake_once(stage: bpy.types.Scene, solid: bpy.types.Object) -> None:
@@ -175,21 +176,31 @@ def _bake_once(stage: bpy.types.Scene, solid: bpy.types.Object) -> None:
             raise MachineError(f"Cycles could not bake the light: {first_line(error)}") from error
 
 
-def spread(light: np.ndarray, covered: np.ndarray, texels: int) -> np.ndarray:
+def spread(light: np.ndarray, covered: np.ndarray, texels: int, hidden: "np.ndarray | bool" = False) -> np.ndarray:
     """`light` (H, W, 3) with every uncovered texel (H, W) within reach filled by the mean of its neighbours.
 
     What lies further off gets the mean of all, so that nothing near is darkened by a filter.
+    `hidden` texels (H, W) lie inside something solid: the first two are filled as well, else the
+    line where it meets the surface is dark; the others stay black.
     """
-    known = covered.astype(np.float32)
-    filled = np.where(covered[..., None], light, 0.0).astype(np.float32)
+    hidden = covered & hidden
+    known = (covered & ~hidden).astype(np.float32)
+    filled = np.where(known[..., None] > 0, light, 0.0).astype(np.float32)
     mean = filled.sum(axis=(0, 1)) / max(known.sum(), 1.0)
-    for _ in range(texels):
+    for step in range(texels):
         weight, total = _neighbours(known), _neighbours(filled)
         fresh = (known == 0) & (weight > 0)
         filled[fresh] = total[fresh] / weight[fresh, None]
         known[fresh] = 1.0
+        if step == 1:
+            known[hidden] = 1.0
     filled[known == 0] = mean
     return filled
+
+
+def _has_sky(scene: Scene) -> bool:
+    """Whether the world shines: then a texel that no light reaches at all is not in shadow but walled in."""
+    return scene.world.panorama is not None or any(scene.world.color)
 
 
 def _neighbours(values: np.ndarray) -> np.ndarray:

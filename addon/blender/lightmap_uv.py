@@ -6,7 +6,7 @@ import numpy as np
 from ..scene import Mesh
 from .lightmap_stage import triangle_mesh
 
-_STEEPEST = 0.8
+_STEEPEST = 0.9
 """Radians between a chart and its plane: flat enough that a chart hardly ever folds over itself."""
 
 _GAPS = (1.5, 0.75, 0.4)
