@@ -6,7 +6,7 @@ import numpy as np
 from ..gl import DataTexture, program, require
 from ..scene import Lighting, Scene
 from .lamps import world_light
-from .tables import tables_of
+from .tables import material_defines, tables_of
 
 _LIGHTING = {Lighting.UNLIT: 0, Lighting.CYCLES: 1, Lighting.DIRECT: 2}
 
@@ -24,6 +24,7 @@ class Resident:
         tables = tables_of(scene)
         self._panorama = tables.panorama
         self._hierarchy_nodes = len(tables.arrays["hierarchy"]) // 2
+        self._material_defines = material_defines(scene)
         self._world_light = world_light(scene.world)
         self._textures = {name: DataTexture(array) for name, array in tables.arrays.items()}
         self._first_triangle = tables.first_triangle
@@ -38,8 +39,8 @@ class Resident:
 
     @property
     def defines(self) -> dict[str, int]:
-        """What a program that lights surfaces (gpu_shaders/common/lighting.glsl) is compiled with."""
-        return {"LIGHTING": _LIGHTING[self.lighting]}
+        """What a program that lights surfaces is compiled with: the light, and what the materials use."""
+        return {"LIGHTING": _LIGHTING[self.lighting], **self._material_defines}
 
     def bind(self, shader: moderngl.Program) -> None:
         """Bind every table that `shader` reads, and set the uniforms that belong to the scene."""

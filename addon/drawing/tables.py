@@ -10,6 +10,7 @@ from ..tracing import Layers, build_hierarchy, build_layers, is_convex
 from .lamps import lamp_rows
 
 _BYTES, _SRGB = 1, 2
+_HOLDS_BYTES, _HOLDS_FLOATS = 1, 2
 _NONE = -1
 
 
@@ -45,6 +46,23 @@ def tables_of(scene: Scene) -> Tables:
         "lamps": lamp_rows(scene.lamps),
     }
     return Tables(arrays, first_triangle, panorama)
+
+
+def material_defines(scene: Scene) -> dict[str, int]:
+    """What gpu_shaders/common/surface.glsl must handle for these materials, and may leave out."""
+    sources = {
+        "BASE_IMAGES": [material.base for material in scene.materials],
+        "EMISSION_IMAGES": [material.emission for material in scene.materials],
+        "REFLECTION_IMAGES": [material.reflection for material in scene.materials],
+    }
+    defines = {name: 0 for name in sources}
+    for name, colors in sources.items():
+        for color in colors:
+            if color.image is not None:
+                is_bytes = scene.images[color.image].pixels.dtype == np.uint8
+                defines[name] |= _HOLDS_BYTES if is_bytes else _HOLDS_FLOATS
+    tinted = any(color.vertex_colors for colors in sources.values() for color in colors)
+    return {**defines, "VERTEX_COLORS": int(tinted)}
 
 
 def world_box(instance: Instance, mesh: Mesh) -> np.ndarray:

@@ -15,7 +15,7 @@ vec3 scattered(Surface s) {
     return s.emits ? vec3(0.0) : s.base * (s.reflects ? s.diffuse : 1.0);
 #elif LIGHTING == LIGHTMAPS
     if (s.lightmap == NONE) return vec3(0.0);
-    return s.base * s.diffuse * image_at(s.lightmap, s.lightmap_uv, LINEAR, EXTEND).rgb;
+    return s.base * s.diffuse * image_at(s.lightmap, s.lightmap_uv, LINEAR, EXTEND, FLOATS).rgb;
 #else
     return s.base * s.diffuse * (lamp_light(s) + world_light(s.normal));
 #endif

@@ -3,7 +3,7 @@
 #include "common/image.glsl"
 
 const int FRESNEL_CONSTANT = 0, FRESNEL_SCHLICK = 1, FRESNEL_DIELECTRIC = 2;
-const int VERTEX_COLORS = 8;
+const int TINTED = 8;  // flag of a colour
 
 struct Surface {
     Hit at;
@@ -23,11 +23,14 @@ vec4 material_texel(int material, int offset) {
     return texelFetch(materials, texel_at(5 * material + offset), 0);
 }
 
+// A program is compiled for what the scene's materials use (addon/drawing/resident.py): BASE_IMAGES,
+// EMISSION_IMAGES and REFLECTION_IMAGES are 0, BYTES, FLOATS or both, VERTEX_COLORS 0 or 1.
+
 // `flags` packs interpolation, extension and whether vertex colours count (addon/drawing/tables.py).
-vec3 color_of(vec3 factor, float image, float flags, vec2 uv, vec3 vertex_color) {
+vec3 color_of(vec3 factor, float image, float flags, vec2 uv, vec3 vertex_color, int holds) {
     int bits = int(flags);
-    if (image >= 0.0) factor *= image_at(int(image), uv, bits & 1, (bits >> 1) & 3).rgb;
-    return (bits & VERTEX_COLORS) != 0 ? factor * vertex_color : factor;
+    if (holds != 0 && image >= 0.0) factor *= image_at(int(image), uv, bits & 1, (bits >> 1) & 3, holds).rgb;
+    return (bits & TINTED) != 0 ? factor * vertex_color : factor;
 }
 
 // Cycles lifts a reflected ray that an interpolated normal would send under the true surface: the
@@ -78,11 +81,10 @@ Surface surface_at(Hit hit, vec3 direction) {
     vec4 base = material_texel(material, 0), emission = material_texel(material, 1);
     vec4 reflection = material_texel(material, 2), sources = material_texel(material, 3);
     vec4 flags = material_texel(material, 4);
-    bool tinted = ((int(flags.x) | int(flags.y) | int(flags.z)) & VERTEX_COLORS) != 0;
-    vec3 tint = tinted ? vertex_color_at(hit.triangle, weight) : vec3(1.0);
-    s.base = color_of(base.rgb, sources.x, flags.x, uv, tint);
-    s.emission = color_of(emission.rgb, sources.y, flags.y, uv, tint);
-    s.reflection = color_of(reflection.rgb, sources.z, flags.z, uv, tint);
+    vec3 tint = VERTEX_COLORS != 0 ? vertex_color_at(hit.triangle, weight) : vec3(1.0);
+    s.base = color_of(base.rgb, sources.x, flags.x, uv, tint, BASE_IMAGES);
+    s.emission = color_of(emission.rgb, sources.y, flags.y, uv, tint, EMISSION_IMAGES);
+    s.reflection = color_of(reflection.rgb, sources.z, flags.z, uv, tint, REFLECTION_IMAGES);
     s.diffuse = base.a;
     s.emits = emission.a > 0.0;
     s.fresnel = int(reflection.a);

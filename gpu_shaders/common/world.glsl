@@ -12,5 +12,5 @@ vec3 world_radiance(vec3 direction) {
     if (world_panorama == NONE) return world_color;
     vec2 uv = vec2(0.5 - atan(direction.y, direction.x) / (2.0 * PI),
                    0.5 + atan(direction.z, length(direction.xy)) / PI);
-    return image_at(world_panorama, uv, LINEAR, REPEAT).rgb;
+    return image_at(world_panorama, uv, LINEAR, REPEAT, FLOATS).rgb;
 }
