@@ -5,7 +5,11 @@ from dataclasses import dataclass, replace
 import numpy as np
 import pytest
 import trimesh
+from catoptric.addon.baking.layered_depth import bake_layers
+from catoptric.addon.baking.layered_depth_tables import ResidentLayers, fitting_resolution
+from catoptric.addon.drawing import Resident
 from catoptric.addon.errors import UsageError
+from catoptric.addon.gl import call
 from catoptric.addon.methods.contract import View
 from catoptric.addon.methods.layered_depth_published import LayeredDepthPublished, surroundings
 from catoptric.addon.methods.registry import named
@@ -265,6 +269,22 @@ def test_an_open_sheet_is_left_to_the_environment_map():
 
 
 # ------------------------------------------------------------------ the door
+
+
+def test_many_objects_share_the_memory_they_are_given():
+    shapes = [mesh_of(trimesh.creation.icosphere(1, radius=1.0 + index)) for index in range(12)]
+    scene = scene_of([(shape, placed(), False) for shape in shapes], looking((0, -6, 1)))
+    assert fitting_resolution(scene, 512, 4096) == 512
+    tight = fitting_resolution(scene, 512, 64)
+    assert tight < 512
+    settings = {"resolution": tight, "layers": 4}
+    bakes = call(lambda: bake_layers(Resident(scene, Lighting.UNLIT), settings))
+    method = call(ResidentLayers, bakes)
+    try:
+        assert 0.6 * 64 < method.size_bytes / 2**20 <= 64
+        assert all(bake.layers == 1 for bake in bakes)
+    finally:
+        call(method.release)
 
 
 def test_the_registry_knows_it_and_its_settings_are_checked():

@@ -1,5 +1,6 @@
 """Layered depth textures of an object (Zhang et al., 3.3, 3.4): what its box's six faces see, all layers deep."""
 
+from collections.abc import Iterator
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -143,17 +144,34 @@ def bake_layers(
     light share theirs; what `cache` holds is not baked again. Raises `MachineError` where a table is
     larger than the GPU's textures.
     """
+    bakes: list[LayeredDepth | None] = [None] * len(resident.scene.instances)
+    for instances, bake in each_bake(resident, settings, cache, progress, without):
+        for index in instances:
+            bakes[index] = bake
+    return bakes
+
+
+def each_bake(
+    resident: Resident,
+    settings: dict,
+    cache: Cache | None = None,
+    progress: Progress = silent,
+    without: frozenset[int] = frozenset(),
+) -> Iterator[tuple[tuple[int, ...], LayeredDepth]]:
+    """The bakes of `bake_layers` one by one, each with its instances; on the GL thread."""
+    sharing: dict[str, list[int]] = {}
     keys = keys_of(resident.scene, resident.lighting, settings["resolution"], settings["layers"])
-    bakes: dict[str, LayeredDepth] = {}
     for index, key in enumerate(keys):
-        if key is not None and key not in bakes and index not in without:
-            progress("baking layered depth textures", index / len(keys))
-            kept = cache.get(_KIND, key) if cache else None
-            bakes[key] = _unpacked(*kept) if kept else bake_instance(resident, index, **settings)
-            if cache and not kept:
-                cache.put(_KIND, key, *_packed(bakes[key]))
+        if key is not None and index not in without:
+            sharing.setdefault(key, []).append(index)
+    for done, (key, instances) in enumerate(sharing.items()):
+        progress("baking layered depth textures", done / len(sharing))
+        kept = cache.get(_KIND, key) if cache else None
+        bake = _unpacked(*kept) if kept else bake_instance(resident, instances[0], **settings)
+        if cache and not kept:
+            cache.put(_KIND, key, *_packed(bake))
+        yield tuple(instances), bake
     progress("baking layered depth textures", 1.0)
-    return [None if key is None or index in without else bakes[key] for index, key in enumerate(keys)]
 
 
 @on_gl_thread

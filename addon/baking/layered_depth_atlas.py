@@ -3,8 +3,7 @@
 import json
 import os
 import re
-import tempfile
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from pathlib import Path
 
 import numpy as np
@@ -16,7 +15,7 @@ from ..gl import on_gl_thread
 from ..parameters import Value, resolve
 from ..progress import Progress, silent
 from ..scene import Lighting, Scene
-from .layered_depth import FACES, LAYERS, RESOLUTION, FaceLayers, LayeredDepth, bake_layers
+from .layered_depth import FACES, LAYERS, RESOLUTION, FaceLayers, LayeredDepth, each_bake
 
 CHANNELS = ("R", "G", "B", "Z", "ZBack", "N.X", "N.Y", "N.Z", "layers")
 """Radiance, entry and exit depth (0 at the face to 1 across the box), normal in the mesh's space, layer count."""
@@ -66,20 +65,17 @@ def write_atlas(path: Path, pixels: np.ndarray, metadata: dict[str, object]) -> 
     spec.attribute("compression", "zip")
     for key, value in metadata.items():
         spec.attribute(_PREFIX + key, json.dumps(value))
-    temporary = None
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}.exr")
     try:
-        handle, temporary = tempfile.mkstemp(".exr", dir=path.parent)
-        os.close(handle)
-        output = oiio.ImageOutput.create(temporary)
-        done = output.open(temporary, spec) and output.write_image(np.ascontiguousarray(pixels, np.float32))
+        output = oiio.ImageOutput.create(str(temporary))
+        done = output.open(str(temporary), spec) and output.write_image(np.ascontiguousarray(pixels, np.float32))
         if not (done and output.close()):
             raise MachineError(f"cannot write {path}: {output.geterror()}; free some space or choose another folder")
         os.replace(temporary, path)
     except OSError as error:
         raise MachineError(f"cannot write {path}: {error.strerror}; choose another folder") from error
     finally:
-        if temporary is not None:
-            Path(temporary).unlink(missing_ok=True)
+        temporary.unlink(missing_ok=True)
 
 
 def read_atlas(path: Path) -> tuple[np.ndarray, dict[str, object]]:
@@ -110,22 +106,32 @@ def export_bakes(
     `bakes` as `bake_layers` gives them, one an instance; instances that share one share its files,
     named after the first. Raises `MachineError` where the folder cannot be written.
     """
-    directory = Path(directory)
-    try:
-        directory.mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise MachineError(f"cannot make the folder {directory}: {error.strerror}; choose another one") from error
     owners: dict[int, list[int]] = {}
     for instance, bake in enumerate(bakes):
         if bake is not None:
             owners.setdefault(id(bake), []).append(instance)
+    shared = ((instances, bakes[instances[0]]) for instances in owners.values())
+    return _export_each(shared, scene, _made(directory), progress)
+
+
+def _made(directory: Path) -> Path:
+    try:
+        Path(directory).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise MachineError(f"cannot make the folder {directory}: {error.strerror}; choose another one") from error
+    return Path(directory)
+
+
+def _export_each(
+    bakes: Iterable[tuple[Sequence[int], LayeredDepth]], scene: Scene, directory: Path, progress: Progress
+) -> list[Path]:
+    """Write bakes as they come, each with its instances, so that no more than one need be held."""
     written: list[Path] = []
     stems: set[str] = set()
-    for done, instances in enumerate(owners.values()):
-        bake = bakes[instances[0]]
+    for instances, bake in bakes:
         stem = _free_stem(scene.instances[instances[0]].name, stems)
         for layer in range(max(1, bake.layers)):
-            progress(f"writing {stem}", (done + layer / max(1, bake.layers)) / len(owners))
+            progress(f"writing {stem}", (instances[0] + layer / max(1, bake.layers)) / len(scene.instances))
             written.append(directory / f"{stem}_layer-{layer + 1}.exr")
             write_atlas(written[-1], atlas(bake, layer), _metadata(bake, layer, scene, instances))
     return written
@@ -174,9 +180,10 @@ def bake_scene(
 
     `settings` may hold RESOLUTION and LAYERS. Raises a `CatoptricError` with one line that says what to do.
     """
+    chosen = resolve((RESOLUTION, LAYERS), settings or {})
+    directory = _made(directory)
     resident = Resident(scene, lighting)
     try:
-        bakes = bake_layers(resident, resolve((RESOLUTION, LAYERS), settings or {}), cache, progress)
+        return _export_each(each_bake(resident, chosen, cache, progress), scene, directory, progress)
     finally:
         resident.release()
-    return export_bakes(bakes, scene, directory, progress)

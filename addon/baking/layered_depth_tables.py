@@ -6,10 +6,26 @@ import moderngl
 import numpy as np
 
 from ..gl import DataTexture
-from .layered_depth import LayeredDepth
+from ..parameters import Parameter
+from ..scene import Scene
+from .layered_depth import RESOLUTION, LayeredDepth, face_shapes
+
+MEMORY = Parameter(
+    "memory",
+    "Memory",
+    256,
+    "What all objects' textures may fill; where there are many, each gets fewer texels",
+    unit="MiB",
+    minimum=1,
+    maximum=65536,
+)
 
 UNITS = 4
 """Texture units that the tables take."""
+
+
+_BYTES_A_TEXEL = 40
+"""Two numbers, and one layer of two colours with depth."""
 
 
 class ResidentLayers:
@@ -56,6 +72,22 @@ class ResidentLayers:
         """Give the memory back."""
         for table in self._tables.values():
             table.release()
+
+
+def fitting_resolution(scene: Scene, resolution: int, memory: int, without: frozenset[int] = frozenset()) -> int:
+    """The most texels a side, up to `resolution`, with which one layer of every object fits in `memory` MiB.
+
+    Instances `without`, or that reflections do not see, take none; those that share a bake take it once.
+    """
+    distinct = {
+        (instance.mesh, instance.materials, instance.reflector)
+        for index, instance in enumerate(scene.instances)
+        if instance.in_reflections and index not in without and len(scene.meshes[instance.mesh].triangles)
+    }
+    shapes = [shape for mesh, _, _ in distinct for shape in face_shapes(scene.meshes[mesh], resolution)[2]]
+    needed = _BYTES_A_TEXEL * sum(columns * rows for columns, rows in shapes)
+    share = min(1.0, (memory * 2**20 / max(1, needed)) ** 0.5)
+    return max(int(RESOLUTION.minimum), int(resolution * share))
 
 
 def _append(bake: LayeredDepth, texels: list[np.ndarray], layers: list[np.ndarray]) -> np.ndarray:

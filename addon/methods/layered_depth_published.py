@@ -5,7 +5,7 @@ import numpy as np
 
 from ..baking.environment import EnvironmentCubes
 from ..baking.layered_depth import LAYERS, RESOLUTION, bake_layers
-from ..baking.layered_depth_tables import UNITS, ResidentLayers
+from ..baking.layered_depth_tables import MEMORY, UNITS, ResidentLayers, fitting_resolution
 from ..baking.regions import Regions
 from ..cache import Cache
 from ..drawing import FREE_UNIT, world_box
@@ -86,13 +86,16 @@ class LayeredDepthPublished(DeferredMethod):
 
     name = "layered-depth-published"
     source = "Zhang, Hsieh and Shen, 3.2 to 3.4: depth peeled from six faces, linear then binary search"
-    parameters = (RESOLUTION, LAYERS, *SEARCH, CUBE_SIZE)
+    parameters = (RESOLUTION, LAYERS, MEMORY, *SEARCH, CUBE_SIZE)
     shader = "layered_depth_published/layered_depth_published.frag"
 
     def bake(self, progress: Progress) -> None:
         """Peel every reflected object, and capture the global environment map."""
-        settings = {name: self.settings[name] for name in (RESOLUTION.name, LAYERS.name)}
-        bakes = bake_layers(self.resident, settings, Cache(), progress, surroundings(self.scene))
+        reflectors = self.scene.reflectors
+        unsearched = surroundings(self.scene) | frozenset(reflectors if len(reflectors) == 1 else ())
+        resolution = fitting_resolution(self.scene, self.settings["resolution"], self.settings["memory"], unsearched)
+        settings = {"resolution": resolution, "layers": self.settings["layers"]}
+        bakes = bake_layers(self.resident, settings, Cache(), progress, unsearched)
         self.bakes = [bake if bake is not None and bake.has_inside else None for bake in bakes]
         self._layers = ResidentLayers(self.bakes)
         searched = frozenset(index for index, bake in enumerate(self.bakes) if bake is not None)
