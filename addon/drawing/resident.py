@@ -10,7 +10,7 @@ from .tables import material_defines, tables_of
 
 _LIGHTING = {Lighting.UNLIT: 0, Lighting.CYCLES: 1, Lighting.DIRECT: 2}
 
-FREE_UNIT = 13
+FREE_UNIT = 10
 """The first texture unit that a method may use for itself."""
 
 
@@ -22,8 +22,7 @@ class Resident:
         self.scene = scene
         self.lighting = lighting
         tables = tables_of(scene)
-        self._panorama = tables.panorama
-        self._hierarchy_nodes = len(tables.arrays["hierarchy"]) // 2
+        self._numbers = tables.numbers
         self._material_defines = material_defines(scene)
         self._world_light = world_light(scene.world)
         self._textures = {name: DataTexture(array) for name, array in tables.arrays.items()}
@@ -50,9 +49,7 @@ class Resident:
                 shader[name] = unit
         uniforms = {
             "world_color": self.scene.world.color,
-            "world_panorama": self._panorama,
-            "hierarchy_nodes": self._hierarchy_nodes,
-            "lamp_count": len(self.scene.lamps),
+            **self._numbers,
             "world_light_sh": [tuple(row) for row in self._world_light],
         }
         for name, value in uniforms.items():

@@ -12,15 +12,20 @@ from .lamps import lamp_rows
 _BYTES, _SRGB = 1, 2
 _HOLDS_BYTES, _HOLDS_FLOATS = 1, 2
 _NONE = -1
+_LAYER_TABLES = {"layer_nodes": 3, "layer_spans": 2, "layer_entries": 1}
 
 
 @dataclass(frozen=True, eq=False)
 class Tables:
-    """`arrays` by sampler name, `first_triangle` of each mesh, and the image index of the panorama (-1: none)."""
+    """The tables of a scene.
+
+    `arrays` by sampler name; `numbers`, integer uniforms that tell where sections of them begin, how
+    long they are, and which image is the panorama (-1: none); `first_triangle` of each mesh.
+    """
 
     arrays: dict[str, np.ndarray]
+    numbers: dict[str, int]
     first_triangle: np.ndarray
-    panorama: int
 
 
 def tables_of(scene: Scene) -> Tables:
@@ -33,19 +38,17 @@ def tables_of(scene: Scene) -> Tables:
     if scene.world.panorama is not None:
         panorama = len(images)
         images.append(_opaque(scene.world.panorama))
-    instances, materials = _instances_and_materials(scene, layers)
+    layer_arrays, grids = _layers(layers, first_triangle)
+    records, numbers = _records(scene, layers, grids)
     arrays = {
         "positions": _rows([_positions(mesh) for mesh in scene.meshes]),
         "corners": _rows([_corners(mesh) for mesh in scene.meshes]),
         "vertex_colors": _vertex_colors(scene.meshes),
-        "instances": instances,
-        "materials": materials,
+        "records": records,
         **_images(images),
-        **_layers(layers, first_triangle),
-        "hierarchy": _hierarchy(scene),
-        "lamps": lamp_rows(scene.lamps),
+        **layer_arrays,
     }
-    return Tables(arrays, first_triangle, panorama)
+    return Tables(arrays, {**numbers, "world_panorama": panorama}, first_triangle)
 
 
 def material_defines(scene: Scene) -> dict[str, int]:
@@ -55,7 +58,7 @@ def material_defines(scene: Scene) -> dict[str, int]:
         "EMISSION_IMAGES": [material.emission for material in scene.materials],
         "REFLECTION_IMAGES": [material.reflection for material in scene.materials],
     }
-    defines = {name: 0 for name in sources}
+    defines = dict.fromkeys(sources, 0)
     for name, colors in sources.items():
         for color in colors:
             if color.image is not None:
@@ -99,7 +102,21 @@ def _vertex_colors(meshes: Sequence[Mesh]) -> np.ndarray:
     return np.concatenate([np.asarray(rows, np.float32).reshape(-1, 4) for rows in colors])
 
 
-def _instances_and_materials(scene: Scene, layers: Sequence[Layers]) -> tuple[np.ndarray, np.ndarray]:
+def _records(scene: Scene, layers: Sequence[Layers], grids: np.ndarray) -> tuple[np.ndarray, dict[str, int]]:
+    """Everything there is little of, in one table: a shader may read only 16."""
+    instances, materials = _instances_and_materials(scene, layers, grids)
+    hierarchy, lamps = _hierarchy(scene), lamp_rows(scene.lamps)
+    numbers = {
+        "first_material": len(instances),
+        "first_node": len(instances) + len(materials),
+        "hierarchy_nodes": len(hierarchy) // 2,
+        "first_lamp": len(instances) + len(materials) + len(hierarchy),
+        "lamp_count": len(scene.lamps),
+    }
+    return np.concatenate([instances, materials, hierarchy, lamps]).astype(np.float32), numbers
+
+
+def _instances_and_materials(scene: Scene, layers: Sequence[Layers], grids) -> tuple[np.ndarray, np.ndarray]:
     """An instance's materials stand in a row of their own, so that a slot is an offset."""
     first: dict[tuple[int, ...], int] = {}
     order: list[int] = []
@@ -107,17 +124,18 @@ def _instances_and_materials(scene: Scene, layers: Sequence[Layers]) -> tuple[np
         if instance.materials not in first:
             first[instance.materials] = len(order)
             order.extend(instance.materials)
-    rows = np.zeros((max(1, len(scene.instances)), 9, 4), np.float32)
+    rows = np.zeros((len(scene.instances), 10, 4), np.float32)
     convex = [is_convex(mesh.positions, mesh.triangles) for mesh in scene.meshes]
     reflector = 0
-    for row, instance in zip(rows, scene.instances, strict=False):
+    for row, instance in zip(rows, scene.instances, strict=True):
         row[0:3] = instance.matrix[:3]
         row[3:6] = np.linalg.inv(instance.matrix)[:3]
         lightmap = _NONE if instance.lightmap is None else instance.lightmap
         row[6] = first[instance.materials], instance.reflector, lightmap, reflector
         reflector += instance.reflector
-        row[7] = (*layers[instance.mesh].low, instance.mesh)
+        row[7] = (*layers[instance.mesh].low, layers[instance.mesh].axis)
         row[8] = (*layers[instance.mesh].size, convex[instance.mesh])
+        row[9] = grids[instance.mesh]
     materials = [_material(scene.materials[index]) for index in order] or [np.zeros((5, 4), np.float32)]
     return rows.reshape(-1, 4), np.concatenate(materials)
 
@@ -164,23 +182,22 @@ def _images(images: Sequence[Image]) -> dict[str, np.ndarray]:
     }
 
 
-def _layers(layers: Sequence[Layers], first_triangle: np.ndarray) -> dict[str, np.ndarray]:
-    nodes, entries, grids = [np.zeros((1, 4), np.uint32)], [np.zeros((1, 2), np.uint32)], []
-    first_node = first_entry = 1
-    for mesh, first in zip(layers, first_triangle, strict=False):
-        for grid in mesh.grids:
-            placed = grid.nodes.copy()
-            placed[:, 2] += np.uint32(first_entry)
-            nodes.append(placed)
-            entries.append(grid.entries + np.array([first, 0], np.uint32))
-            first_node += len(grid.nodes)
-            first_entry += len(grid.entries)
-            grids.append((*grid.shape, grid.levels, first_node - 1))
-    return {
-        "layer_nodes": np.concatenate(nodes),
-        "layer_entries": np.concatenate(entries),
-        "layer_grids": np.array(grids or [(0, 0, 0, 0)], np.uint32),
-    }
+def _layers(layers: Sequence[Layers], first_triangle: np.ndarray) -> tuple[dict[str, np.ndarray], np.ndarray]:
+    """The meshes' columns in common tables, and each mesh's (columns along u and v, levels, coarsest node)."""
+    parts = {name: [np.zeros((1, width), np.uint32)] for name, width in _LAYER_TABLES.items()}
+    offsets = dict.fromkeys(parts, 1)
+    grids = np.zeros((len(layers), 4), np.float32)
+    for grid, mesh, first in zip(grids, layers, first_triangle, strict=False):
+        placed = {
+            "layer_nodes": mesh.nodes + np.array([0, 0, offsets["layer_spans"]], np.uint32),
+            "layer_spans": mesh.spans + np.array([offsets["layer_entries"], 0], np.uint32),
+            "layer_entries": mesh.entries[:, None] + np.uint32(first),
+        }
+        for name, part in placed.items():
+            parts[name].append(part)
+            offsets[name] += len(part)
+        grid[:] = *mesh.shape, mesh.levels, offsets["layer_nodes"] - 1
+    return {name: np.concatenate(part) for name, part in parts.items()}, grids
 
 
 def _hierarchy(scene: Scene) -> np.ndarray:

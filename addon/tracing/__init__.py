@@ -2,7 +2,7 @@
 
 from .convexity import is_convex
 from .hierarchy import build as build_hierarchy
-from .layers import Grid, Layers
+from .layers import Layers
 from .layers import build as build_layers
 
-__all__ = ["Grid", "Layers", "build_hierarchy", "build_layers", "is_convex"]
+__all__ = ["Layers", "build_hierarchy", "build_layers", "is_convex"]

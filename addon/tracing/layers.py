@@ -1,11 +1,11 @@
 """Layered depth textures whose texels hold triangles: what `layered-depth` and shadow rays search.
 
-A layered depth texture (Zhang et al., 3.3, 3.4) shows an object from the six faces of its box, by
-samples at texel centres. Here the faces of one axis share a grid of *columns*, and a column lists
-the triangles that pass through it instead of samples of them. Each triangle stands in the grid of
-the axis it faces most, so that it covers few columns and its depth changes little in each. A search
-then meets the surface itself: thin parts and open meshes cannot be stepped over, and texel size
-decides speed alone. A pyramid says which depth slices of a block of columns hold anything.
+A layered depth texture (Zhang et al., 3.3, 3.4) shows an object from a face of its box, by samples at
+texel centres. Here a texel is a *column* cut into slices of depth, and each slice lists the triangles
+that pass through it instead of a sample of one. A search then meets the surface itself: thin parts
+and open meshes cannot be stepped over, surfaces seen edge-on are there as well, so one face does the
+work of six, and texel size decides speed alone. A pyramid tells which slices of a block of columns
+hold anything.
 """
 
 from dataclasses import dataclass
@@ -15,7 +15,7 @@ import numpy as np
 SLICES = 64
 """Depth slices of a column: two 32-bit words; gpu_shaders/common/layers.glsl holds the same number."""
 
-LARGEST = 512
+LARGEST = 256
 """Most columns along a side."""
 
 _MARGIN = 0.01
@@ -25,40 +25,37 @@ _CHUNK = 1 << 22
 
 
 @dataclass(frozen=True, eq=False)
-class Grid:
-    """The columns along one axis. `shape` (columns along u, columns along v), `levels` in the pyramid.
-
-    `nodes` (N, 4) uint32, finest level first, u fastest: occupied slices (two words) and, at the
-    finest level, the first entry and how many. `entries` (E, 2) uint32: triangle, and its first slice
-    in the column plus 256 times its last.
-    """
-
-    shape: tuple[int, int]
-    levels: int
-    nodes: np.ndarray
-    entries: np.ndarray
-
-
-@dataclass(frozen=True, eq=False)
 class Layers:
-    """The grids of the X, Y and Z axis in the box from `low` to `low + size`, (3,) float64 each.
+    """The columns of a mesh in the box from `low` to `low + size`, (3,) float64 each.
 
-    Grid `a` has its depth along axis a, u along axis a + 1 and v along axis a + 2 (modulo 3).
+    Depth runs along `axis`, the box's shortest, u along axis + 1 and v along axis + 2 (modulo 3).
+    `shape` is columns along u and v, `levels` those of the pyramid. `nodes` (N, 3) uint32, finest
+    level first, u fastest: occupied slices (two words) and, at the finest level, the span of the
+    first of them; the others' follow. `spans` (S, 2) uint32: first entry and how many. `entries`
+    (E,) uint32 triangle indices.
     """
 
     low: np.ndarray
     size: np.ndarray
-    grids: tuple[Grid, Grid, Grid]
+    axis: int
+    shape: tuple[int, int]
+    levels: int
+    nodes: np.ndarray
+    spans: np.ndarray
+    entries: np.ndarray
 
 
 def build(corners: np.ndarray, largest: int = LARGEST) -> Layers:
     """The layers of a mesh from its corners (T, 3, 3), T ≥ 1; at most `largest` columns along a side."""
     low, size = _padded_box(corners)
-    side = _side(len(corners), largest)
-    normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
-    facing = np.abs(normals).argmax(axis=1)
-    unit = (corners.astype(np.float64) - low) / size
-    return Layers(low, size, tuple(_grid(axis, np.flatnonzero(facing == axis), unit, size, side) for axis in range(3)))
+    axis = int(size.argmin())
+    order = [(axis + 1) % 3, (axis + 2) % 3, axis]
+    across = size[order[:2]]
+    shape = np.maximum(1, np.ceil(_side(len(corners), largest) * across / across.max())).astype(np.int64)
+    points = ((corners.astype(np.float64) - low) / size)[:, :, order] * [*shape, SLICES]
+    finest, spans, entries = _columns(*_overlaps(points, shape), shape)
+    levels = _pyramid(finest, shape)
+    return Layers(low, size, axis, (int(shape[0]), int(shape[1])), len(levels), np.concatenate(levels), spans, entries)
 
 
 def _padded_box(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
@@ -68,27 +65,26 @@ def _padded_box(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _side(triangles: int, largest: int) -> int:
-    """Columns along the longest side: about as many columns on a face as there are triangles."""
-    return int(min(largest, 2 ** np.ceil(np.log2(2.0 * np.sqrt(triangles)))))
+    """Columns along the longer side: about as many columns as triangles."""
+    return int(min(largest, 2 ** np.ceil(np.log2(np.sqrt(triangles)))))
 
 
-def _grid(axis: int, members: np.ndarray, unit: np.ndarray, size: np.ndarray, side: int) -> Grid:
-    order = [(axis + 1) % 3, (axis + 2) % 3, axis]
-    shape = np.maximum(1, np.ceil(side * size[order[:2]] / size.max())).astype(np.int64)
-    points = unit[members][:, :, order] * [*shape, SLICES]
-    column, triangle, first, last = _overlaps(points, shape)
-    by_column = np.argsort(column, kind="stable")
-    column, triangle, first, last = (part[by_column] for part in (column, triangle, first, last))
-    count = np.bincount(column, minlength=shape.prod())
-    start = np.concatenate([[0], np.cumsum(count)[:-1]])
-    finest = np.zeros((shape.prod(), 4), np.uint32)
-    occupied = count > 0
-    if len(column):
-        finest[occupied, :2] = np.bitwise_or.reduceat(_slice_words(first, last), start[occupied], axis=0)
-    finest[:, 2], finest[:, 3] = start, count
-    levels = _pyramid(finest, shape)
-    entries = np.stack([members[triangle], first | last << 8], axis=1).astype(np.uint32)
-    return Grid((int(shape[0]), int(shape[1])), len(levels), np.concatenate(levels), entries)
+def _columns(column, triangle, first, last, shape) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Finest nodes, spans and entries from each column that a triangle passes, and its slices there."""
+    count = last - first + 1
+    pair = np.repeat(np.arange(len(column)), count)
+    depth = first[pair] + np.arange(len(pair)) - np.repeat(np.cumsum(count) - count, count)
+    cell = column[pair] * SLICES + depth
+    by_cell = np.argsort(cell, kind="stable")
+    cells, start, length = np.unique(cell[by_cell], return_index=True, return_counts=True)
+    finest = np.zeros((shape.prod(), 3), np.uint32)
+    columns, begin = np.unique(cells // SLICES, return_index=True)
+    bits = np.uint64(1) << (cells % SLICES).astype(np.uint64)
+    words = np.bitwise_or.reduceat(bits, begin)
+    finest[columns, 0], finest[columns, 1] = words & np.uint64(0xFFFFFFFF), words >> np.uint64(32)
+    finest[columns, 2] = begin
+    spans = np.stack([start, length], axis=1).astype(np.uint32)
+    return finest, spans, triangle[pair[by_cell]].astype(np.uint32)
 
 
 def _overlaps(points: np.ndarray, shape: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray, np.ndarray]:
@@ -148,13 +144,6 @@ def _slices(points, triangle, u, v):
     return first, last
 
 
-def _slice_words(first: np.ndarray, last: np.ndarray) -> np.ndarray:
-    """(N, 2) uint32 with the bits of slices `first` to `last` set."""
-    bits = np.uint64(0xFFFFFFFFFFFFFFFF)
-    span = (bits >> (63 - (last - first)).astype(np.uint64)) << first.astype(np.uint64)
-    return np.stack([span & np.uint64(0xFFFFFFFF), span >> np.uint64(32)], axis=1).astype(np.uint32)
-
-
 def _pyramid(finest: np.ndarray, shape: np.ndarray) -> list[np.ndarray]:
     """The finest level and every coarser one, down to a single node; each ORs the words of 2 × 2 finer nodes."""
     levels = [finest]
@@ -164,7 +153,7 @@ def _pyramid(finest: np.ndarray, shape: np.ndarray) -> list[np.ndarray]:
         padded = np.zeros((2 * rows, 2 * columns, 2), np.uint32)
         padded[: words.shape[0], : words.shape[1]] = words
         words = np.bitwise_or.reduce(padded.reshape(rows, 2, columns, 2, 2), axis=(1, 3))
-        level = np.zeros((rows * columns, 4), np.uint32)
+        level = np.zeros((rows * columns, 3), np.uint32)
         level[:, :2] = words.reshape(-1, 2)
         levels.append(level)
     return levels

@@ -5,8 +5,7 @@
 #include "common/layers.glsl"
 #include "common/world.glsl"
 
-// 3 texels a lamp: position, kind | axis, cosine of the cone | colour, cosine inside the blend
-uniform sampler2D lamps;
+uniform int first_lamp;
 uniform int lamp_count;
 uniform vec3 world_light_sh[9];  // the world's irradiance over pi, in real spherical harmonics
 
@@ -18,9 +17,11 @@ struct Lamp {
     float cone, blend;
 };
 
+// 3 texels a lamp: position, kind | axis, cosine of the cone | colour, cosine inside the blend.
 Lamp lamp_at(int index) {
-    vec4 place = texelFetch(lamps, texel_at(3 * index), 0), axis = texelFetch(lamps, texel_at(3 * index + 1), 0);
-    vec4 color = texelFetch(lamps, texel_at(3 * index + 2), 0);
+    int record = first_lamp + 3 * index;
+    vec4 place = texelFetch(records, texel_at(record), 0), axis = texelFetch(records, texel_at(record + 1), 0);
+    vec4 color = texelFetch(records, texel_at(record + 2), 0);
     return Lamp(int(place.w), place.xyz, axis.xyz, color.rgb, axis.w, color.w);
 }
 

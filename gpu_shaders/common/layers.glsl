@@ -1,13 +1,13 @@
 // The nearest triangle along a ray, by layered depth textures whose texels hold triangles
-// (addon/tracing/layers.py): a walk over the instances' boxes, then along each axis' columns.
+// (addon/tracing/layers.py): a walk over the instances' boxes, then over columns cut into slices of depth.
 
 #include "common/scene.glsl"
 
-uniform sampler2D hierarchy;      // 2 texels a node: low, next on a miss | high, instance or NONE
+uniform int first_node;           // of the hierarchy, 2 texels each: low, next on a miss | high, instance or NONE
 uniform int hierarchy_nodes;
-uniform usampler2D layer_nodes;   // 1 texel a block of columns: slices (2 words), first entry, entries
-uniform usampler2D layer_entries; // 1 texel an entry: triangle, first slice + 256 × last slice
-uniform usampler2D layer_grids;   // 3 texels a mesh, 1 an axis: columns along u and v, levels, coarsest node
+uniform usampler2D layer_nodes;   // 1 texel a block of columns: slices (2 words), span of the first
+uniform usampler2D layer_spans;   // 1 texel an occupied slice: first entry, how many
+uniform usampler2D layer_entries; // 1 texel an entry: triangle
 
 const int SLICES = 64;
 const float NUDGE = 2e-3;  // columns: past a border, less than triangles are widened
@@ -40,17 +40,14 @@ ivec2 slices_between(vec2 depth) {
     return clamp(ivec2(floor(vec2(min(depth.x, depth.y) - 1e-3, max(depth.x, depth.y) + 1e-3))), 0, SLICES - 1);
 }
 
-bool occupied(uvec2 words, ivec2 slices) {
-    uint low = words.x & bits_between(slices.x, slices.y);
-    return (low | (words.y & bits_between(slices.x - 32, slices.y - 32))) != 0u;
+uvec2 words_of(ivec2 slices) {
+    return uvec2(bits_between(slices.x, slices.y), bits_between(slices.x - 32, slices.y - 32));
 }
 
-// Tests the triangles in some slices of a column against the ray, given in the mesh's space from its box on.
-void meet_entries(uvec4 column, ivec2 slices, Segment ray, float least, int instance, Hit from, inout Hit hit) {
-    for (uint i = 0u; i < column.w; ++i) {
-        uvec2 entry = texelFetch(layer_entries, texel_at(int(column.z + i)), 0).xy;
-        int triangle = int(entry.x);
-        if (int(entry.y & 255u) > slices.y || int(entry.y >> 8) < slices.x) continue;
+// Tests the triangles of a slice against the ray, given in the mesh's space from its box on.
+void meet_span(uvec2 span, Segment ray, float least, int instance, Hit from, inout Hit hit) {
+    for (uint i = 0u; i < span.y; ++i) {
+        int triangle = int(texelFetch(layer_entries, texel_at(int(span.x + i)), 0).x);
         vec3 met = meet_plane(ray.origin, ray.direction, triangle_at(triangle));
         float distance = ray.start + met.z;
         bool inside = met.x >= -1e-6 && met.y >= -1e-6 && met.x + met.y <= 1.000001;
@@ -60,17 +57,31 @@ void meet_entries(uvec4 column, ivec2 slices, Segment ray, float least, int inst
     }
 }
 
+// Tests the slices of a column that are both `wanted` and occupied, in the order of the ray.
+void meet_column(uvec3 column, uvec2 wanted, bool upwards, Segment ray, float least,
+                 int instance, Hit from, inout Hit hit) {
+    float before = hit.distance;
+    while (wanted != uvec2(0u) && hit.distance == before) {
+        bool low = upwards ? wanted.x != 0u : wanted.y == 0u;
+        uint word = low ? wanted.x : wanted.y;
+        int bit = upwards ? findLSB(word) : findMSB(word);
+        uint below = (low ? column.x : column.y) & ((1u << bit) - 1u);
+        int span = int(column.z) + bitCount(below) + (low ? 0 : bitCount(column.x));
+        meet_span(texelFetch(layer_spans, texel_at(span), 0).xy, ray, least, instance, from, hit);
+        wanted &= ~(low ? uvec2(1u << bit, 0u) : uvec2(0u, 1u << bit));
+    }
+}
+
 int blocks_at(ivec2 shape, int level) {
     ivec2 blocks = (shape + (1 << level) - 1) >> level;
     return blocks.x * blocks.y;
 }
 
-// Walks the columns of one axis from the coarsest level. `grid` is columns along u and v, levels and
-// coarsest node; `local` the ray with u and v in columns and depth in slices. Both count distance from
-// the box on.
+// Walks the columns of a mesh from the coarsest level. `local` is the ray with u and v in columns and
+// depth in slices; both count distance from the box on.
 void walk_columns(ivec4 grid, Segment local, Segment ray, float least, int instance, Hit from, inout Hit hit) {
     ivec2 shape = grid.xy;
-    int top = grid.z - 1, level = top, first_node = grid.w;
+    int top = grid.z - 1, level = top, first_block = grid.w;
     vec2 inverse = safe_inverse(local.direction).xy;
     vec2 forward = vec2(greaterThanEqual(local.direction.xy, vec2(0.0)));
     vec2 nudge = NUDGE * sign(local.direction.xy);
@@ -81,18 +92,18 @@ void walk_columns(ivec4 grid, Segment local, Segment ray, float least, int insta
         vec2 leaves = ((vec2(block) + forward) * float(1 << level) - local.origin.xy) * inverse;
         float next = max(min(min(leaves.x, leaves.y), local.end), at);
         int row = (shape.x + (1 << level) - 1) >> level;
-        uvec4 node = texelFetch(layer_nodes, texel_at(first_node + block.x + row * block.y), 0);
-        ivec2 slices = slices_between(local.origin.z + vec2(at, next) * local.direction.z);
-        if (occupied(node.xy, slices)) {
+        uvec3 node = texelFetch(layer_nodes, texel_at(first_block + block.x + row * block.y), 0).xyz;
+        uvec2 wanted = node.xy & words_of(slices_between(local.origin.z + vec2(at, next) * local.direction.z));
+        if (wanted != uvec2(0u)) {
             if (level > 0) {
-                first_node -= blocks_at(shape, --level);
+                first_block -= blocks_at(shape, --level);
                 continue;
             }
-            meet_entries(node, slices, ray, least, instance, from, hit);
+            meet_column(node, wanted, local.direction.z >= 0.0, ray, least, instance, from, hit);
         }
         if (next >= local.end) return;
         ivec2 after = ivec2(local.origin.xy + next * local.direction.xy + nudge) >> level;
-        if (level < top && after >> 1 != block >> 1) first_node += blocks_at(shape, level++);
+        if (level < top && after >> 1 != block >> 1) first_block += blocks_at(shape, level++);
         at = next + 1e-6 * next;
     }
 }
@@ -105,15 +116,13 @@ void meet_instance(Ray world, int instance, float least, Hit from, inout Hit hit
     span = vec2(max(span.x, 0.0), min(span.y, hit.distance));
     if (span.x >= span.y) return;
     Segment ray = Segment(origin + span.x * direction, direction, span.x, span.y - span.x);
-    vec3 unit_origin = (ray.origin - low.xyz) / size.xyz, unit_direction = direction / size.xyz;
-    for (int axis = 0; axis < 3; ++axis) {
-        ivec4 grid = ivec4(texelFetch(layer_grids, texel_at(3 * int(low.w) + axis), 0));
-        vec3 scale = vec3(grid.xy, SLICES), o = unit_origin, d = unit_direction;
-        o = axis == 0 ? o.yzx : axis == 1 ? o.zxy : o;
-        d = axis == 0 ? d.yzx : axis == 1 ? d.zxy : d;
-        Segment local = Segment(scale * o, scale * d, 0.0, ray.end);
-        walk_columns(grid, local, ray, least, instance, from, hit);
-    }
+    vec3 scale = 1.0 / size.xyz, o = (ray.origin - low.xyz) * scale, d = direction * scale;
+    o = low.w == 0.0 ? o.yzx : low.w == 1.0 ? o.zxy : o;
+    d = low.w == 0.0 ? d.yzx : low.w == 1.0 ? d.zxy : d;
+    vec4 grid = instance_texel(instance, 9);
+    vec3 cells = vec3(grid.xy, SLICES);
+    Segment local = Segment(cells * o, cells * d, 0.0, ray.end);
+    walk_columns(ivec4(grid), local, ray, least, instance, from, hit);
 }
 
 // The instance whose outside `ray` leaves for good, because its mesh is convex; NONE if there is none.
@@ -131,8 +140,8 @@ Hit nearest_hit(Ray ray, Hit from, float reach) {
     float least = 1e-5 * (1.0 + length(ray.origin));
     int skipped = left_behind(ray, from);
     for (int node = 0; node < hierarchy_nodes;) {
-        vec4 low = texelFetch(hierarchy, texel_at(2 * node), 0);
-        vec4 high = texelFetch(hierarchy, texel_at(2 * node + 1), 0);
+        vec4 low = texelFetch(records, texel_at(first_node + 2 * node), 0);
+        vec4 high = texelFetch(records, texel_at(first_node + 2 * node + 1), 0);
         vec2 span = box_span(ray.origin, inverse, low.xyz, high.xyz);
         if (span.x > span.y || span.y < 0.0 || span.x > hit.distance) {
             node = int(low.w);

@@ -19,8 +19,11 @@ struct Surface {
     vec2 lightmap_uv;
 };
 
+uniform int first_material;
+
+// 5 texels a material (addon/drawing/tables.py).
 vec4 material_texel(int material, int offset) {
-    return texelFetch(materials, texel_at(5 * material + offset), 0);
+    return texelFetch(records, texel_at(first_material + 5 * material + offset), 0);
 }
 
 // A program is compiled for what the scene's materials use (addon/drawing/resident.py): BASE_IMAGES,

@@ -49,8 +49,9 @@ int row_of(Face face, ivec2 layers, int layer) {
 // Depth of entry and exit, from this face on.
 vec2 depths_of(Face face, ivec2 layers, int layer) {
     int row = row_of(face, layers, layer);
-    vec2 depth = vec2(texelFetch(peeled_layers, texel_at(2 * row), 0).w, texelFetch(peeled_layers, texel_at(2 * row + 1), 0).w);
-    return face.high ? 1.0 - depth.yx : depth;
+    float enters = texelFetch(peeled_layers, texel_at(2 * row), 0).w;
+    float leaves = texelFetch(peeled_layers, texel_at(2 * row + 1), 0).w;
+    return face.high ? 1.0 - vec2(leaves, enters) : vec2(enters, leaves);
 }
 
 vec3 color_at(Face face, vec3 place, int layer) {

@@ -6,7 +6,8 @@
 
 #include "common/data.glsl"
 
-uniform sampler2D planes;    // 2 texels a triangle: u, v, depth of a corner, least depth | slopes, greatest depth, solid
+// 2 texels a triangle: u, v, depth of a corner, least depth | slopes, greatest depth, solid
+uniform sampler2D planes;
 uniform sampler2D previous;  // what this shader wrote in the last pass
 uniform vec2 shape;          // texels along u and v
 uniform float side;          // 1 peels from the low face on, -1 from the high one
