@@ -1,0 +1,146 @@
+"""What a reflection costs: each method against `environment-map`, dense meshes against light ones, EEVEE.
+
+Run: python tests/benchmarks/reflections.py [--part ratios|density|eevee|memory ...] [--scenes a,b]
+
+`ratios` prints the reflection pass over that of `environment-map`, beside Zhang et al., Table 2
+(reflection over reflector). `density` gives the same object 1,500 to 1,000,000 triangles. `eevee`
+times a frame against EEVEE's sample, with the error of both. `memory` prints a process's peak.
+Times are medians of frames at 768 × 512, one sample a pixel.
+"""
+
+import argparse
+import subprocess
+import sys
+import tempfile
+from dataclasses import replace
+
+import numpy as np
+import trimesh
+from catoptric.addon.blender.eevee import render_eevee
+from catoptric.addon.blender.extract import extract
+from catoptric.addon.blender.files import open_blend
+from catoptric.addon.blender.reference import render_reference
+from catoptric.addon.cache import Cache
+from catoptric.addon.gl import call, is_software, require
+from catoptric.addon.methods.contract import Frame, View
+from catoptric.addon.methods.registry import METHODS
+from catoptric.addon.metrics import error_maps
+from catoptric.addon.scene import Camera, ColorSource, Fresnel, Instance, Lighting, Material, Mesh, Scene, World
+from catoptric.scenes import path_of
+
+SIZE = (768, 512)
+PAPER = {"two-balls": 1.54, "hollow-box": 1.58, "knotty-cup": 2.08, "statue": 2.13, "three-genus3": 5.30}
+ROOM_SCENES = ("genus3", "mirror-ball", "mirror-room")
+COMPARED = ("environment-map", "environment-map-parallax", "layered-depth-published", "layered-depth")
+DENSITIES = (1_500, 100_000, 1_000_000)
+
+
+def frame_of(scene: Scene, method: str, samples: int = 1) -> Frame:
+    """A method's picture and times."""
+    drawn = METHODS[method]()
+    drawn.prepare(scene, Lighting.UNLIT)
+    try:
+        return drawn.render(View(scene.camera, *SIZE, samples))
+    finally:
+        drawn.release()
+
+
+def ratios(names: list[str]) -> None:
+    """Reflection passes of the shipped scenes."""
+    print(f"{'scene':14}" + "".join(f"{name.replace('environment', 'env'):>28}" for name in COMPARED) + "    paper")
+    for name in names:
+        scene = extract(open_blend(path_of(name)))
+        times = [frame_of(scene, method).time_ms["reflection"] for method in COMPARED]
+        cells = "".join(f"{time:14.1f} ms ({time / times[0]:6.2f}×)" for time in times)
+        print(f"{name:14}{cells}  {PAPER.get(name, float('nan')):7.2f}")
+
+
+def bumpy(triangles: int) -> trimesh.Trimesh:
+    """The same wavy ball from about `triangles` triangles."""
+    rings = round(np.sqrt(triangles / 4))
+    ball = trimesh.creation.uv_sphere(1.0, count=[rings, rings])
+    x, y, z = ball.vertices.T
+    ball.vertices *= (1 + 0.2 * np.sin(5 * x) * np.sin(4 * y + 1) * np.sin(6 * z))[:, None]
+    return ball
+
+
+def mesh_of(name: str, shape: trimesh.Trimesh) -> Mesh:
+    """Smooth, without textures."""
+    faces = np.asarray(shape.faces, np.int32)
+    normals = np.asarray(shape.vertex_normals, np.float32)[faces]
+    uvs, slots = np.zeros((len(faces), 3, 2), np.float32), np.zeros(len(faces), np.int32)
+    return Mesh(name, np.asarray(shape.vertices, np.float32), faces, normals, uvs, slots)
+
+
+def beside_a_ball(shape: trimesh.Trimesh) -> Scene:
+    """A mirror ball that shows `shape`, twice."""
+    white = ColorSource((0.9, 0.9, 0.9))
+    chrome = Material("chrome", diffuse=0.0, reflection=white, fresnel=Fresnel.SCHLICK, roughness=0.0)
+    places = np.stack([np.eye(4)] * 3)
+    places[1:, :3, 3] = (2.1, -0.4, 0.0), (-2.1, -0.4, 0.0)
+    camera = np.eye(4)
+    camera[:3, :3] = [[1, 0, 0], [0, 0, -1], [0, 1, 0]]
+    camera[:3, 3] = (0.0, -4.5, 0.0)
+    ball, beside = mesh_of("ball", trimesh.creation.icosphere(5)), mesh_of("beside", shape)
+    instances = [Instance(f"object {i}", min(i, 1), places[i], (min(i, 1),), reflector=i == 0) for i in range(3)]
+    return Scene("density", Camera(camera), (ball, beside), tuple(instances), (chrome, Material("grey")), world=World())
+
+
+def density() -> None:
+    """Reflection passes of one object, coarse to dense."""
+    print(f"{'triangles':>10}" + "".join(f"{name:>28}" for name in COMPARED[2:]))
+    first: list[float] = []
+    for triangles in DENSITIES:
+        shape = bumpy(triangles)
+        times = [frame_of(beside_a_ball(shape), method).time_ms["reflection"] for method in COMPARED[2:]]
+        first = first or times
+        cells = "".join(f"{time:15.1f} ms ({time / start:5.2f}×)" for time, start in zip(times, first, strict=True))
+        print(f"{len(shape.faces):10,}{cells}")
+
+
+def eevee(names: list[str]) -> None:
+    """A frame of ours against a sample of EEVEE's, and both errors over the reflectors."""
+    for name in names:
+        opened = open_blend(path_of(name))
+        scene = replace(extract(opened), name=name)
+        truth = render_reference(opened, scene, Lighting.UNLIT, *SIZE, samples=64, cache=Cache()).color
+        ours = frame_of(scene, "layered-depth", samples=4)
+        theirs = render_eevee(opened, scene, Lighting.UNLIT, *SIZE)
+        mask = ours.reflectors >= 0.5
+        errors = [error_maps(color, truth).over(mask).flip for color in (ours.color, theirs.color)]
+        ratio = theirs.seconds_per_sample * 1e3 / ours.time_ms["frame"]
+        print(
+            f"{name:14} layered-depth {ours.time_ms['frame']:8.1f} ms a frame, FLIP {errors[0]:.4f}; EEVEE "
+            f"{theirs.seconds_per_sample * 1e3:8.1f} ms a sample, FLIP {errors[1]:.4f}: {ratio:.1f} times faster"
+        )
+
+
+def memory(name: str = "statue") -> None:
+    """Peak memory of a process that bakes and renders one scene by every method, Cycles beside it."""
+    code = (
+        "import resource, sys; from catoptric.batch.cli import main; "
+        f"main(['compare', {name!r}, '--samples', '16', '--out', sys.argv[1]]); "
+        "print('peak', resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024, 'MiB')"
+    )
+    with tempfile.TemporaryDirectory() as folder:
+        done = subprocess.run([sys.executable, "-c", code, folder], capture_output=True, text=True, check=True)
+    print(name, done.stdout.strip().splitlines()[-1])
+
+
+def main() -> None:
+    """Print the parts asked for."""
+    parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
+    parser.add_argument("--part", nargs="+", default=["ratios", "density", "eevee", "memory"])
+    parser.add_argument("--scenes", default=",".join((*PAPER, *ROOM_SCENES)))
+    given = parser.parse_args()
+    renderer = call(lambda: require().info["GL_RENDERER"])
+    print(f"{renderer}: {'software rendering, compare times with each other only' if is_software(renderer) else 'GPU'}")
+    parts = {"ratios": lambda: ratios(given.scenes.split(",")), "density": density, "memory": memory}
+    parts["eevee"] = lambda: eevee(["mirror-ball"])
+    for part in given.part:
+        print(f"\n{part}")
+        parts[part]()
+
+
+if __name__ == "__main__":
+    main()
