@@ -253,6 +253,26 @@ def test_an_open_surface_has_no_thickness():
     assert baked(bowl).axes[0].counts.max() == 2
 
 
+def test_both_sides_of_a_sheet_look_at_their_own_face():
+    sheet = trimesh.Trimesh([[0, 0, 0], [1, 0, 0], [1, 1, 0], [0, 1, 0]], [[0, 1, 2], [0, 2, 3]], process=False)
+    turned = sheet.copy()
+    turned.invert()
+    for shape in (sheet, turned):
+        normals = baked(shape).axes[2].normals
+        np.testing.assert_allclose(normals, np.broadcast_to([[0, 0, -1], [0, 0, 1]], normals.shape), atol=1e-6)
+
+
+def test_walls_a_few_roundings_thin_keep_both_sides():
+    """The peel knows no tolerance: a foil of 4 µm above a box of 1 m is a layer of its own."""
+    foil = trimesh.creation.box((1.0, 1.0, 4e-6))
+    foil.apply_translation((0, 0, 0.5 + 1e-5))
+    face = baked(union(trimesh.creation.box(), foil)).axes[2]
+    assert face.counts.max() == 2
+    rows, texels = face.layer(1)
+    assert len(texels) == (face.counts > 0).sum()
+    assert (face.depths[rows, 1] > face.depths[rows, 0]).all()
+
+
 def test_closed_and_open_parts_are_told_apart():
     ball, sheet = trimesh.creation.icosphere(2), bowl_of(2)
     cracked = trimesh.creation.icosphere(4)
