@@ -153,7 +153,7 @@ class _Comparison:
             cache=self.cache,
             progress=bar.step("reference", _LIT, _JUDGED),
         )
-        shot.judge_by(reference.color, reference.noise)
+        shot.judge_by(reference.color, reference.half)
 
     def _method(self, source: Source, shot: Shot, name: str, progress: Progress) -> None:
         reflectors = [shot.scene.instances[index] for index in shot.scene.reflectors]

@@ -23,8 +23,8 @@ SUPERSAMPLING = 4
 class Shot:
     """A scene under one light at one size, and the folder its pictures go to.
 
-    `reference` (H, W, 3) float32 and `deviation` (H, W) float32, its standard error, are None where
-    there is nothing to judge by. `mask` (H, W) bool, the pixels that show reflectors, comes with
+    `reference` (H, W, 3) float32 and `half`, the same made of one half of its samples, are None
+    where there is nothing to judge by. `mask` (H, W) bool, the pixels that show reflectors, comes with
     the first frame that a method renders.
     """
 
@@ -34,7 +34,7 @@ class Shot:
     size: tuple[int, int]
     out: Path
     reference: np.ndarray | None = None
-    deviation: np.ndarray | None = None
+    half: np.ndarray | None = None
     mask: np.ndarray | None = None
 
     def take(self, method: Method, progress: Progress = silent) -> Frame:
@@ -48,9 +48,9 @@ class Shot:
         """Where the pictures of a method go."""
         return image_paths(self.name, self.scene.frame, str(self.lighting), method)
 
-    def judge_by(self, reference: np.ndarray, deviation: np.ndarray) -> None:
+    def judge_by(self, reference: np.ndarray, half: np.ndarray) -> None:
         """Take the reference, and save it in place of an older one."""
-        self.reference, self.deviation = reference, deviation
+        self.reference, self.half = reference, half
         save_exr(self.out / self.images("").reference, reference, self._metadata("cycles"))
 
     def result(
@@ -92,12 +92,10 @@ class Shot:
 
     @cached_property
     def _noise(self) -> Noise | None:
-        """The reference's own error, from two pictures that differ from it by its deviation, with random signs."""
+        """The reference's own error, from the two halves that it is the mean of."""
         if self.reference is None:
             return None
-        signs = np.random.default_rng(0).choice(np.float32([-1.0, 1.0]), self.deviation.shape)
-        offset = (signs * self.deviation)[..., None]
-        maps = noise_maps(self.reference + offset, self.reference - offset, self._exposures)
+        maps = noise_maps(self.half, 2 * self.reference - self.half, self._exposures)
         return Noise(maps.over(self.mask), maps.over())
 
     def _metadata(self, method: str) -> dict[str, str]:

@@ -1,4 +1,4 @@
-"""results.json, and the pictures beside it."""
+"""Rows measured against a reference, results.json, and the pictures beside it."""
 
 import json
 import re
@@ -8,8 +8,11 @@ import OpenImageIO as oiio
 import pytest
 from catoptric.addon.errors import MachineError
 from catoptric.addon.metrics import PictureError, to_bytes
+from catoptric.addon.scene import Lighting
+from catoptric.batch.judging import Shot
 from catoptric.batch.pictures import image_paths, load_picture, save_exr, save_png
 from catoptric.batch.results import Results, ResultsError, Times, atomically
+from catoptric.tests import stage
 from catoptric.tests.report_stage import HOSTILE, SOFTWARE, compared_in, measured, scene_picture
 
 
@@ -110,6 +113,31 @@ def test_a_folder_that_cannot_be_made_is_one_line(tmp_path):
     with pytest.raises(MachineError, match="cannot write") as caught, atomically(tmp_path / "file" / "x.json"):
         pass
     assert "\n" not in str(caught.value)
+
+
+# Rows
+
+
+@pytest.fixture
+def shot(tmp_path):
+    """A shot whose left half shows a reflector, not judged yet."""
+    scene = stage.scene_of([], stage.looking((0.0, -5.0, 0.0)))
+    shot = Shot("box", scene, Lighting.UNLIT, (16, 8), tmp_path)
+    shot.mask = np.arange(16) < np.full((8, 1), 8)
+    return shot
+
+
+def test_noise_is_that_of_the_halves_channel_by_channel(shot):
+    """Red alone is noisy, on the reflector alone: 10 steps of a screen, a third of it over three channels."""
+    reference = np.full((8, 16, 3), 0.25, np.float32)
+    half = reference.copy()
+    shown = 1.055 * 0.25 ** (1 / 2.4) - 0.055
+    half[:, :8, 0] = ((shown + 10 / 255 + 0.055) / 1.055) ** 2.4
+    shot.judge_by(reference, half)
+    row = shot.result("m", reference, {}, Times(), [])
+    assert row.over_reflectors.mae_8bit == 0.0
+    assert row.noise.over_reflectors.mae_8bit == pytest.approx(10 / 3)
+    assert row.noise.over_frame.mae_8bit == pytest.approx(10 / 6)
 
 
 # Pictures

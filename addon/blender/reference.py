@@ -24,15 +24,23 @@ CHUNK = 16
 class Reference:
     """A picture by Cycles. `color` (H, W, 3) float32 scene-linear radiance, row 0 at the top.
 
-    `noise` (H, W) float32 is the standard error of `color`, the root mean square of its channels,
-    estimated from two halves of the samples: a difference below it is no difference. `samples`
-    a pixel it was made of, and the `seconds` they took.
+    `half` (H, W, 3) float32 is the same made of one half of the samples; the other half gives
+    2 `color` - `half`. `samples` a pixel it was made of, and the `seconds` they took.
     """
 
     color: np.ndarray
-    noise: np.ndarray
+    half: np.ndarray
     samples: int
     seconds: float
+
+    @property
+    def noise(self) -> np.ndarray:
+        """(H, W) float32, the standard error of `color`, the root mean square of its channels.
+
+        A difference below it is no difference. A half has twice the variance of the mean, and lies
+        as far from the mean as, in the root mean square, the mean from the truth.
+        """
+        return np.sqrt(np.mean((self.half - self.color) ** 2, axis=-1))
 
 
 def render_reference(
@@ -57,17 +65,16 @@ def render_reference(
         raise UsageError(f"a reference of {samples} samples cannot tell its noise: give at least 2")
     half = (samples + 1) // 2
     with cycles_engine(bpy_scene, device), plain_picture(bpy_scene, width, height):
-        key = key_of("reference 1", fingerprint(bpy_scene, scene), lighting, width, height, half, device)
+        key = key_of("reference 2", fingerprint(bpy_scene, scene), lighting, width, height, half, device)
         known = cache.get("reference", key) if cache else None
         if known is not None:
-            return Reference(known.arrays["color"], known.arrays["noise"], 2 * half, known.meta["seconds"])
+            return Reference(known.arrays["color"], known.arrays["half"], 2 * half, known.meta["seconds"])
         start = time.perf_counter()
         with same_light(bpy_scene, scene, lighting):
             first, second = _halves(bpy_scene, half, progress)
-    noise = np.sqrt(np.mean(((first - second) / 2) ** 2, axis=-1))
-    reference = Reference((first + second) / 2, noise, 2 * half, time.perf_counter() - start)
+    reference = Reference((first + second) / 2, first, 2 * half, time.perf_counter() - start)
     if cache:
-        arrays = {"color": reference.color, "noise": reference.noise}
+        arrays = {"color": reference.color, "half": reference.half}
         cache.put("reference", key, arrays, {"seconds": reference.seconds})
     return reference
 
