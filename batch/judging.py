@@ -1,7 +1,7 @@
 """One frame of one scene, and what every picture of it is held against."""
 
 from collections.abc import Mapping
-from dataclasses import dataclass
+from dataclasses import dataclass, replace
 from functools import cached_property
 from pathlib import Path
 
@@ -65,6 +65,7 @@ class Shot:
         images = self.images(method)
         over_reflectors, over_frame = Figures(int(self.mask.sum())), Figures(self.mask.size)
         if self.reference is None:
+            images = replace(images, reference=None, flip=None)
             save_exr(self.out / images.method, color, self._metadata(method))
         else:
             errors = error_maps(color, self.reference, self._exposures)

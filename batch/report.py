@@ -12,7 +12,7 @@ from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ..addon.metrics import MAGMA, Figures, PictureError
 from .pictures import load_picture
-from .report_pictures import pack_flip, pack_method, pack_reference, thumbnail, window_of_interest
+from .report_pictures import pack_flip, pack_picture, thumbnail, window_of_interest
 from .results import Result, Results, atomically
 
 FILE_NAME = "report.html"
@@ -37,7 +37,7 @@ class Column:
 def _figure(name: str) -> Callable[[Result, str], float | None]:
     def value(result: Result, scope: str) -> float | None:
         figures: Figures = getattr(result, scope)
-        infinite = name == "psnr" and figures.psnr is None and figures.pixels > 0
+        infinite = name == "psnr" and figures.psnr is None and figures.flip is not None
         return inf if infinite else getattr(figures, name)
 
     return value
@@ -64,11 +64,13 @@ SCOPES = {"over_reflectors": "reflectors", "over_frame": "whole frame"}
 
 @dataclass
 class Comparison:
-    """All methods in one frame of one scene under one lighting; pictures are data for the page, by method."""
+    """All methods in one frame of one scene under one lighting; pictures are data for the page, by method.
+
+    The reference, where there is one, is the picture of the method "".
+    """
 
     number: int
     results: list[Result]
-    reference: str = ""
     pictures: dict[str, str] = field(default_factory=dict)
     flips: dict[str, str] = field(default_factory=dict)
     thumbnails: dict[str, str] = field(default_factory=dict)
@@ -88,6 +90,11 @@ class Comparison:
     def warnings(self) -> list[str]:
         """What went wrong without stopping a method, each once."""
         return list(dict.fromkeys([note for result in self.results for note in result.warnings] + self.problems))
+
+    @cached_property
+    def reference(self) -> str | None:
+        """Where the reference lies, None if there was none."""
+        return next(filter(None, (result.images.reference for result in self.results)), None)
 
     def ranked(self, scope: str) -> list[Result]:
         """Least FLIP over `scope` first."""
@@ -146,8 +153,13 @@ def _comparisons(results: list[Result]) -> list[Comparison]:
         return result.scene, result.lighting, result.frame, result.width, result.height
 
     groups = [list(group) for _, group in groupby(sorted(results, key=place), key=place)]
-    worst_first = sorted(groups, key=lambda group: -Comparison(0, group).least("over_reflectors"))
+    worst_first = sorted(groups, key=_least_error, reverse=True)
     return [Comparison(number, group) for number, group in enumerate(worst_first, start=1)]
+
+
+def _least_error(group: list[Result]) -> float:
+    """The least FLIP over the reflectors, -1 where nothing was judged: of such scenes nothing is known."""
+    return min((result.over_reflectors.flip for result in group if result.over_reflectors.flip is not None), default=-1)
 
 
 def _embed(comparison: Comparison, directory: Path, limit: int) -> int:
@@ -155,41 +167,53 @@ def _embed(comparison: Comparison, directory: Path, limit: int) -> int:
 
     Gives the bytes taken.
     """
-    found = {}
-    try:
-        reference = load_picture(directory / comparison.first.images.reference)
-    except PictureError as error:
-        comparison.problems.append(str(error))
+    loaded, flips = _load(comparison, directory)
+    if not loaded:
         return 0
-    pictures = {"": reference}
-    for result in comparison.results:
-        try:
-            picture = load_picture(directory / result.images.method)
-            flip = load_picture(directory / result.images.flip)
-            _check_size(picture, reference, result)
-        except PictureError as error:
-            comparison.problems.append(str(error))
-            continue
-        pictures[result.method] = picture
-        found[result.method] = pack_method(picture, reference), pack_flip(flip)
-    detail = window_of_interest(list(pictures.values()))
-    comparison.thumbnails = {method: thumbnail(picture[detail]) for method, picture in pictures.items()}
-    packed = pack_reference(reference)
-    size = len(packed) + sum(len(part) for parts in found.values() for part in parts)
+    detail = window_of_interest(list(loaded.values()))
+    comparison.thumbnails = {method: thumbnail(picture[detail]) for method, picture in loaded.items()}
+    reference = loaded.get("")
+    pictures = {method: pack_picture(picture, reference if method else None) for method, picture in loaded.items()}
+    size = sum(map(len, [*pictures.values(), *flips.values()]))
     if size > limit:
         comparison.problems.append(
             "The pictures are left out here to keep the page small: they are in the folder images beside it."
         )
         return 0
-    comparison.reference = packed
-    comparison.pictures = {method: picture for method, (picture, _) in found.items()}
-    comparison.flips = {method: flip for method, (_, flip) in found.items()}
+    comparison.pictures, comparison.flips = pictures, flips
     return size
 
 
-def _check_size(picture: np.ndarray, reference: np.ndarray, result: Result) -> None:
-    if picture.shape != reference.shape:
-        raise PictureError(f"the picture {result.images.method} and its reference differ in size: run compare again")
+def _load(comparison: Comparison, directory: Path) -> tuple[dict[str, np.ndarray], dict[str, str]]:
+    """The pictures by method, the reference's first, and the packed FLIP maps of what is held against it."""
+    pictures, flips = {}, {}
+    if comparison.reference is None:
+        comparison.problems.append(
+            "There is no reference for this scene: Cycles cannot render an archive. Compare its .blend file for errors."
+        )
+    else:
+        pictures[""] = _picture(comparison, directory, comparison.reference)
+    for result in comparison.results:
+        pictures[result.method] = _picture(comparison, directory, result.images.method)
+        if result.images.flip:
+            flips[result.method] = _picture(comparison, directory, result.images.flip)
+    pictures = {method: picture for method, picture in pictures.items() if picture is not None}
+    flips = {method: pack_flip(flip) for method, flip in flips.items() if flip is not None}
+    return pictures, flips
+
+
+def _picture(comparison: Comparison, directory: Path, path: str) -> np.ndarray | None:
+    """The picture at `path`; None, noted among the problems, if it cannot be shown."""
+    try:
+        picture = load_picture(directory / path)
+    except PictureError as error:
+        # Named from where the page lies: the folder may be moved.
+        comparison.problems.append(str(error).replace(str(directory / path), path))
+        return None
+    if picture.shape[:2] == (comparison.first.height, comparison.first.width):
+        return picture
+    comparison.problems.append(f"the picture {path} has another size now: run compare again without --resume")
+    return None
 
 
 def _context(results: Results, comparisons: list[Comparison]) -> dict:
@@ -199,7 +223,7 @@ def _context(results: Results, comparisons: list[Comparison]) -> dict:
         "results": results,
         "machine": results.machine,
         "methods": methods,
-        "keys": {method: key for key, method in enumerate(methods, start=1)},
+        "keys": {method: key for key, method in enumerate(["", *methods])},
         "comparisons": comparisons,
         "skipped": sorted(results.skipped, key=lambda skipped: not skipped.error),
         "columns": COLUMNS,

@@ -20,14 +20,13 @@ def half_codes(linear: np.ndarray) -> np.ndarray:
     return halves.view(np.uint16).astype(np.int32)
 
 
-def pack_reference(linear: np.ndarray) -> str:
-    """`linear` (H, W, 3) for the page: each pixel as its difference from its left neighbour."""
-    return _pack(np.diff(half_codes(linear), axis=1, prepend=0))
+def pack_picture(linear: np.ndarray, reference: np.ndarray | None = None) -> str:
+    """`linear` (H, W, 3) for the page: its difference from the reference, which is nothing beside the reflectors.
 
-
-def pack_method(linear: np.ndarray, reference: np.ndarray) -> str:
-    """`linear` (H, W, 3) for the page: its difference from the reference, which is nothing beside the reflectors."""
-    return _pack(half_codes(linear) - half_codes(reference))
+    Without a reference each pixel is stored as its difference from its left neighbour.
+    """
+    codes = half_codes(linear)
+    return _pack(np.diff(codes, axis=1, prepend=0) if reference is None else codes - half_codes(reference))
 
 
 def pack_flip(colors: np.ndarray) -> str:

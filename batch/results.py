@@ -52,11 +52,14 @@ class Times:
 
 @dataclass(frozen=True)
 class Images:
-    """Paths of pictures relative to the folder of results.json: EXR, EXR and PNG."""
+    """Paths of pictures relative to the folder of results.json: EXR, EXR and PNG.
+
+    `reference` and `flip` are None where there was nothing to judge by.
+    """
 
     method: str
-    reference: str
-    flip: str
+    reference: str | None
+    flip: str | None
 
 
 @dataclass(frozen=True)
@@ -69,7 +72,7 @@ class Noise:
 
 @dataclass(frozen=True)
 class Result:
-    """One method in one frame of one scene. `size_mb` is what its bakes take on the GPU."""
+    """One method in one frame of one scene. Without a reference all figures but `pixels` are None."""
 
     scene: str
     frame: int

@@ -10,9 +10,9 @@ import zlib
 import numpy as np
 import pytest
 from catoptric.addon.metrics import MAGMA, Figures, error_maps, flip_map, magma, to_bytes
-from catoptric.batch.pictures import image_paths, load_picture, save_images
+from catoptric.batch.pictures import image_paths, load_picture, save_exr, save_images
 from catoptric.batch.report import write_number, write_report
-from catoptric.batch.report_pictures import half_codes, pack_flip, pack_method, pack_reference, window_of_interest
+from catoptric.batch.report_pictures import half_codes, pack_flip, pack_picture, window_of_interest
 from catoptric.batch.results import Result, Results, Skipped, Times
 from catoptric.tests.report_stage import HEIGHT, HOSTILE, SOFTWARE, WIDTH, compared_in, measured, scene_picture
 from hypothesis import given, settings
@@ -47,9 +47,9 @@ def unpacked(text, reference=None):
 def test_packed_pictures_are_lossless(seed, scale):
     rng = np.random.default_rng(seed)
     reference, picture = (rng.normal(size=(HEIGHT, WIDTH, 3)).astype(np.float32) * scale for _ in range(2))
-    codes = unpacked(pack_reference(reference))
+    codes = unpacked(pack_picture(reference))
     assert np.array_equal(codes, half_codes(reference))
-    assert np.array_equal(unpacked(pack_method(picture, reference), codes), half_codes(picture))
+    assert np.array_equal(unpacked(pack_picture(picture, reference), codes), half_codes(picture))
 
 
 def test_half_codes_are_halves_of_what_can_be_shown():
@@ -147,10 +147,34 @@ def test_missing_pictures_are_named_and_figures_kept(compared):
     (directory / results.find(scene="ball", method="layered-depth").images.method).unlink()
     (directory / results.find(scene="box").images.reference).write_bytes(b"")
     page = page_of(results, directory)
-    assert "unlit-0001-layered-depth.exr is missing" in page
-    assert "unlit-0001-reference.exr is damaged" in page
-    assert page.count(EMBEDDED) == 2
+    assert "the picture images/ball/unlit-0001-layered-depth.exr is missing" in page
+    assert "the picture images/box/unlit-0001-reference.exr is damaged" in page
+    assert str(directory) not in page
+    assert page.count(EMBEDDED) == 2 + 3
     assert page.count("<article") == 2
+
+
+def unjudged(directory, results, scene, method, color):
+    """What `compare` keeps of an archive, which Cycles cannot render."""
+    images = dataclasses.replace(image_paths(scene, 1, "unlit", method), reference=None, flip=None)
+    save_exr(directory / images.method, color)
+    pixels = Figures(24), Figures(WIDTH * HEIGHT)
+    results.add(Result(scene, 1, method, "unlit", WIDTH, HEIGHT, {}, *pixels, Times(frame=2.0), images))
+
+
+def test_a_scene_without_reference_says_so_and_shows_the_methods(compared):
+    results, directory = compared
+    unjudged(directory, results, "archive", "environment-map", scene_picture()[0])
+    unjudged(directory, results, "archive", "layered-depth", scene_picture(0.5)[0])
+    page = page_of(results, directory)
+    article = page[page.index('id="title-3">archive') :]
+    assert "There is no reference for this scene" in article
+    assert page.count("There is no reference for this scene") == 1
+    assert "is missing" not in page
+    assert article.count(EMBEDDED) == 2
+    assert article.count("data:image/jpeg") == 2
+    assert "∞" not in article
+    assert 'class="best"' not in article
 
 
 def test_a_page_too_large_keeps_its_figures(compared):
@@ -205,6 +229,20 @@ def photographed(page, folder, state):
 def pixels_of(pixels, color):
     """How many pixels have just that colour."""
     return int((pixels == np.array(color)).all(axis=-1).sum())
+
+
+@in_browser
+@pytest.mark.timeout(300)
+def test_the_browser_shows_a_method_where_there_is_no_reference(tmp_path):
+    results = Results("0.1.0", SOFTWARE)
+    colors = {"m": (0.125, 0.25, 0.5), "n": (0.5, 0.125, 0.0625)}
+    for method, color in colors.items():
+        unjudged(tmp_path, results, "archive", method, np.full((HEIGHT, WIDTH, 3), color, np.float32))
+    page = write_report(results, tmp_path)
+    for state, method in {"show=0": "m", "show=2": "n"}.items():
+        pixels, log = photographed(page, tmp_path, state)
+        assert "CONSOLE" not in log, log
+        assert pixels_of(pixels, to_bytes(np.array(colors[method]))) > 300_000, state
 
 
 @in_browser

@@ -7,7 +7,7 @@ import numpy as np
 import OpenImageIO as oiio
 import pytest
 from catoptric.addon.errors import MachineError
-from catoptric.addon.metrics import PictureError, to_bytes
+from catoptric.addon.metrics import Figures, PictureError, to_bytes
 from catoptric.addon.scene import Lighting
 from catoptric.batch.judging import Shot
 from catoptric.batch.pictures import image_paths, load_picture, save_exr, save_png
@@ -138,6 +138,17 @@ def test_noise_is_that_of_the_halves_channel_by_channel(shot):
     assert row.over_reflectors.mae_8bit == 0.0
     assert row.noise.over_reflectors.mae_8bit == pytest.approx(10 / 3)
     assert row.noise.over_frame.mae_8bit == pytest.approx(10 / 6)
+
+
+def test_a_row_without_reference_names_no_picture_that_is_not_there(shot):
+    row = shot.result("m", np.full((8, 16, 3), 0.5, np.float32), {}, Times(), [])
+    assert row.images.reference is None
+    assert row.images.flip is None
+    assert (shot.out / row.images.method).is_file()
+    assert row.over_reflectors == Figures(64)
+    results = Results("0.1.0", SOFTWARE, results=[row])
+    results.save(shot.out)
+    assert Results.load(shot.out) == results
 
 
 # Pictures

@@ -27,6 +27,7 @@ class Viewer {
     this.canvas = article.querySelector("canvas");
     this.context = this.canvas.getContext("2d");
     this.readout = article.querySelector(".readout");
+    this.first = Number(article.querySelector("[data-picture]").dataset.picture);
     this.width = Number(article.dataset.width);
     this.height = Number(article.dataset.height);
     this.visible = false;
@@ -50,8 +51,18 @@ class Viewer {
     else this.forget();
   }
 
+  /** The embedded text of a "picture" or "flip", null if there is none. */
+  embedded(kind, index) {
+    return this.article.querySelector(`[data-${kind}="${index}"]`)?.textContent ?? null;
+  }
+
   has(index) {
     return this.article.querySelector(`[data-picture="${index}"]`) !== null;
+  }
+
+  /** The picture on show: where there is no reference, the first method's takes its place. */
+  shown() {
+    return view.show === 0 && view.mode === "picture" && !this.has(0) ? this.first : view.show;
   }
 
   /** Unpack picture `index` and its FLIP map, once; draws again when that is done. */
@@ -61,10 +72,11 @@ class Viewer {
   }
 
   async unpack(index, codes, flips) {
-    const text = (kind) => this.article.querySelector(`[data-${kind}="${index}"]`).textContent;
-    if (index !== 0) await this.load(0);
-    codes.set(index, await decodePicture(text("picture"), this.width, this.height, codes.get(0)));
-    flips.set(index, index === 0 ? new Uint8Array(this.width * this.height) : await inflate(text("flip")));
+    if (index !== 0 && this.has(0)) await this.load(0);
+    const flip = this.embedded("flip", index);
+    if (index === 0) flips.set(index, new Uint8Array(this.width * this.height));
+    else if (flip !== null) flips.set(index, await inflate(flip));
+    codes.set(index, await decodePicture(this.embedded("picture", index), this.width, this.height, codes.get(0)));
     this.draw();
   }
 
@@ -100,21 +112,29 @@ class Viewer {
 
   /** The pictures that the mode needs. */
   needed() {
-    const second = view.mode === "wipe" || view.mode === "difference" ? view.against : view.show;
-    return [...new Set([view.show, second])];
+    const second = { wipe: view.against, difference: view.against, flip: 0 }[view.mode] ?? this.shown();
+    return [...new Set([this.shown(), second])];
+  }
+
+  /** What keeps the mode from being shown, in words; empty if nothing does. */
+  lacking() {
+    const absent = this.needed().filter((index) => !this.has(index));
+    if (absent.includes(0)) return "no reference here";
+    if (view.mode === "flip" && view.show !== 0 && this.embedded("flip", view.show) === null) absent.push(view.show);
+    return absent.length === 0 ? "" : `${absent.map((index) => this.names[index]).join(", ")}: not measured here`;
   }
 
   draw() {
     if (!this.visible) return;
-    const lacking = this.needed().filter((index) => !this.has(index));
-    this.article.querySelector(".absent").hidden = lacking.length === 0;
-    this.article.querySelector(".absent").textContent = `${lacking.map((index) => this.names[index]).join(", ")}: not measured here`;
-    this.label(lacking.length === 0);
-    if (lacking.length > 0) {
+    const lacking = this.lacking();
+    this.article.querySelector(".absent").hidden = lacking === "";
+    this.article.querySelector(".absent").textContent = lacking;
+    this.label(lacking === "");
+    if (lacking !== "") {
       this.context.clearRect(0, 0, this.canvas.width, this.canvas.height);
       return;
     }
-    const waiting = this.needed().filter((index) => !this.codes.has(index) || !this.flips.has(index));
+    const waiting = this.needed().filter((index) => !this.codes.has(index));
     if (waiting.length > 0) {
       waiting.forEach((index) => this.load(index));
       return;
@@ -123,7 +143,7 @@ class Viewer {
     if (view.mode === "wipe") this.drawWipe();
     else if (view.mode === "difference") this.blit(this.difference(view.show, view.against));
     else if (view.mode === "flip") this.blit(this.flip(view.show));
-    else this.blit(this.picture(view.show));
+    else this.blit(this.picture(this.shown()));
   }
 
   drawWipe() {
@@ -145,7 +165,7 @@ class Viewer {
   /** Write on the picture what it is. */
   label(whole) {
     const [left, right] = this.article.querySelectorAll(".tag");
-    const [shown, against] = [this.names[view.show], this.names[view.against]];
+    const [shown, against] = [this.names[this.shown()], this.names[view.against]];
     const texts = {
       picture: [shown, ""],
       wipe: [shown, against],
@@ -237,10 +257,10 @@ class Viewer {
     if (!pixel) return;
     const at = pixel.y * this.width + pixel.x;
     const values = (index) => [0, 1, 2].map((channel) => halfValue(this.codes.get(index)[3 * at + channel]).toPrecision(4));
-    const lines = [...new Set([view.show, view.mode === "picture" ? 0 : view.against, 0])]
+    const lines = [...new Set([this.shown(), view.mode === "picture" ? 0 : view.against, 0])]
       .filter((index) => this.codes.has(index))
       .map((index) => {
-        const flip = index === 0 ? "" : `   FLIP ${(this.flips.get(index)?.[at] / 255).toFixed(3)}`;
+        const flip = index === 0 || !this.flips.has(index) ? "" : `   FLIP ${(this.flips.get(index)[at] / 255).toFixed(3)}`;
         return `${this.names[index].padEnd(26)} ${values(index).join("  ")}${flip}`;
       });
     this.readout.textContent = [`x ${pixel.x}  y ${pixel.y}   linear red, green, blue`, ...lines].join("\n");
