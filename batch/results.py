@@ -87,7 +87,6 @@ class Result:
     images: Images
     noise: Noise | None = None
     warnings: list[str] = field(default_factory=list)
-    size_mb: float | None = None
 
 
 @dataclass(frozen=True)
