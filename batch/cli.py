@@ -64,7 +64,10 @@ def compare(
         typer.Option(metavar="WxH", help="Size of the pictures; each scene's own, 768 a side at most, unless given."),
     ] = None,
     samples: Annotated[
-        int | None, typer.Option(min=2, help="Cycles' samples a pixel; 64 unlit, 256 cycles, 128 direct unless given.")
+        int | None,
+        typer.Option(
+            min=2, help="Cycles' samples a pixel, the methods get a quarter; 64 unlit, 256 cycles, 128 direct."
+        ),
     ] = None,
     frames: Annotated[str | None, typer.Option(metavar="A:B", help="Frames; the scene's own unless given.")] = None,
     peers: Annotated[str | None, typer.Option(metavar="A,B", help=f"Rows beside ours: {', '.join(PEERS)}.")] = None,

@@ -15,7 +15,7 @@ from ..addon.methods.registry import METHODS
 from ..addon.parameters import Value
 from ..addon.progress import Progress, part_of, silent
 from ..addon.scene import Lighting, Scene
-from .judging import Shot
+from .judging import Shot, supersampling
 from .machine import check_size, describe
 from .progress import Bar, Terminal
 from .report import write_report
@@ -135,7 +135,7 @@ class _Comparison:
         require_reflectors(scene)
         size = self.job.resolution or fitted(scene.resolution)
         scene = lit(source, scene, self.job.lighting, self.cache, bar.step("light", 0.05, _LIT))
-        return Shot(source.name, scene, self.job.lighting, size, self.job.out)
+        return Shot(source.name, scene, self.job.lighting, size, self.job.out, supersampling(self.job.samples))
 
     def _judge(self, source: Source, shot: Shot, bar: Bar) -> None:
         if not source.needs_blender:

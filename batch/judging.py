@@ -15,17 +15,25 @@ from ..addon.scene import Lighting, Scene
 from .pictures import image_paths, save_exr, save_images
 from .results import Images, Noise, Result, Times
 
-SUPERSAMPLING = 4
-"""Samples along a side of a pixel, in a box, as Cycles' filter is set to."""
+_LEAST_SIDE, _MOST_SIDE = 2, 16
+
+
+def supersampling(samples: int) -> int:
+    """Samples along a side of a pixel, in a box, beside a reference of `samples` a pixel: a quarter as many in all.
+
+    More of one side and more of the other: a bright speck in a curved mirror that few samples miss
+    would otherwise be laid at the method's door.
+    """
+    return min(max(_LEAST_SIDE, round(samples**0.5 / 2)), _MOST_SIDE)
 
 
 @dataclass(eq=False)
 class Shot:
     """A scene under one light at one size, and the folder its pictures go to.
 
-    `reference` (H, W, 3) float32 and `half`, the same made of one half of its samples, are None
-    where there is nothing to judge by. `mask` (H, W) bool, the pixels that show reflectors, comes with
-    the first frame that a method renders.
+    `side` squared are the methods' samples a pixel. `reference` (H, W, 3) float32 and `half`, the same
+    made of one half of its samples, are None where there is nothing to judge by. `mask` (H, W) bool,
+    the pixels that show reflectors, comes with the first frame that a method renders.
     """
 
     name: str
@@ -33,13 +41,14 @@ class Shot:
     lighting: Lighting
     size: tuple[int, int]
     out: Path
+    side: int = 4
     reference: np.ndarray | None = None
     half: np.ndarray | None = None
     mask: np.ndarray | None = None
 
     def take(self, method: Method, progress: Progress = silent) -> Frame:
         """The picture of a prepared method."""
-        frame = method.render(View(self.scene.camera, *self.size, SUPERSAMPLING), progress)
+        frame = method.render(View(self.scene.camera, *self.size, self.side), progress)
         if self.mask is None:
             self.mask = frame.reflectors >= 0.5
         return frame

@@ -12,7 +12,6 @@ from ..addon.parameters import Value
 from ..addon.scene import Lighting, Scene
 from ..addon.scene.archive import EXTENSION, save
 from .jobs import lit, require_reflectors
-from .judging import SUPERSAMPLING
 from .machine import check_size
 from .pictures import save_exr, save_png
 from .progress import Bar, Terminal
@@ -44,7 +43,7 @@ def render(
     check_size(*size)
     drawing.prepare(scene, lighting, bar.step(method, 0.6, 0.8))
     try:
-        picture = drawing.render(View(scene.camera, *size, SUPERSAMPLING), bar.step(method, 0.8, 1.0))
+        picture = drawing.render(View(scene.camera, *size), bar.step(method, 0.8, 1.0))
     finally:
         drawing.release()
     writer(out, picture.color)
