@@ -6,7 +6,7 @@ from dataclasses import dataclass
 import numpy as np
 
 from ..scene import ColorSource, Image, Instance, Material, Mesh, Scene
-from ..tracing import Layers, build_hierarchy, build_layers, is_convex
+from ..tracing import OCTANTS, Layers, build_hierarchy, build_layers, is_convex
 from .lamps import lamp_rows
 
 _BYTES, _SRGB = 1, 2
@@ -109,7 +109,7 @@ def _records(scene: Scene, layers: Sequence[Layers], grids: np.ndarray) -> tuple
     numbers = {
         "first_material": len(instances),
         "first_node": len(instances) + len(materials),
-        "hierarchy_nodes": len(hierarchy) // 2,
+        "hierarchy_nodes": len(hierarchy) // (2 * OCTANTS),
         "first_lamp": len(instances) + len(materials) + len(hierarchy),
         "lamp_count": len(scene.lamps),
     }
@@ -201,11 +201,11 @@ def _layers(layers: Sequence[Layers], first_triangle: np.ndarray) -> tuple[dict[
 
 
 def _hierarchy(scene: Scene) -> np.ndarray:
-    shown = [index for index, instance in enumerate(scene.instances) if instance.in_reflections]
+    shown = np.array([index for index, instance in enumerate(scene.instances) if instance.in_reflections], int)
     boxes = [world_box(scene.instances[index], scene.meshes[scene.instances[index].mesh]) for index in shown]
-    nodes = build_hierarchy(np.array(boxes).reshape(-1, 2, 3))
+    nodes = build_hierarchy(np.array(boxes).reshape(-1, 2, 3)).reshape(-1, 2, 4)
     leaves = nodes[:, 1, 3] >= 0
-    nodes[leaves, 1, 3] = np.array(shown, np.float32)[nodes[leaves, 1, 3].astype(int)]
+    nodes[leaves, 1, 3] = shown[nodes[leaves, 1, 3].astype(int)]
     margin = 1e-5 * (1.0 + np.abs(nodes[:, :, :3]))
     nodes[:, 0, :3] -= margin[:, 0]
     nodes[:, 1, :3] += margin[:, 1]

@@ -1,8 +1,9 @@
 """Where rays meet the scene: acceleration structures built from plain triangles, with NumPy alone."""
 
 from .convexity import is_convex
+from .hierarchy import OCTANTS
 from .hierarchy import build as build_hierarchy
 from .layers import Layers
 from .layers import build as build_layers
 
-__all__ = ["Layers", "build_hierarchy", "build_layers", "is_convex"]
+__all__ = ["OCTANTS", "Layers", "build_hierarchy", "build_layers", "is_convex"]

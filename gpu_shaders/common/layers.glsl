@@ -3,7 +3,8 @@
 
 #include "common/scene.glsl"
 
-uniform int first_node;           // of the hierarchy, 2 texels each: low, next on a miss | high, instance or NONE
+// The hierarchy, once for each octant of directions, 2 texels a node: low, next on a miss | high, instance or NONE.
+uniform int first_node;
 uniform int hierarchy_nodes;
 uniform usampler2D layer_nodes;   // 1 texel a block of columns: slices (2 words), span of the first
 uniform usampler2D layer_spans;   // 1 texel an occupied slice: first entry, how many
@@ -139,9 +140,11 @@ Hit nearest_hit(Ray ray, Hit from, float reach) {
     vec3 inverse = safe_inverse(ray.direction);
     float least = 1e-5 * (1.0 + length(ray.origin));
     int skipped = left_behind(ray, from);
+    ivec3 down = ivec3(lessThan(ray.direction, vec3(0.0)));
+    int first = first_node + 2 * hierarchy_nodes * (down.x + 2 * down.y + 4 * down.z);
     for (int node = 0; node < hierarchy_nodes;) {
-        vec4 low = texelFetch(records, texel_at(first_node + 2 * node), 0);
-        vec4 high = texelFetch(records, texel_at(first_node + 2 * node + 1), 0);
+        vec4 low = texelFetch(records, texel_at(first + 2 * node), 0);
+        vec4 high = texelFetch(records, texel_at(first + 2 * node + 1), 0);
         vec2 span = box_span(ray.origin, inverse, low.xyz, high.xyz);
         if (span.x > span.y || span.y < 0.0 || span.x > hit.distance) {
             node = int(low.w);
