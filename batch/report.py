@@ -33,6 +33,11 @@ class Column:
     digits: int
     best: Callable = min
 
+    @property
+    def first(self) -> str:
+        """The direction, in ARIA's words, that brings the best number to the top of a table."""
+        return "ascending" if self.best is min else "descending"
+
 
 def _figure(name: str) -> Callable[[Result, str], float | None]:
     def value(result: Result, scope: str) -> float | None:
@@ -234,11 +239,15 @@ def _context(results: Results, comparisons: list[Comparison]) -> dict:
         "chart": _chart,
         "magma": [f"#{red:02x}{green:02x}{blue:02x}" for red, green, blue in MAGMA[::17]],
         "palette": "".join(f"{value:02x}" for value in MAGMA.ravel()),
-        "style": (_TEMPLATES / "report.css").read_text(encoding="utf-8"),
-        "script": "\n".join(
-            (_TEMPLATES / name).read_text(encoding="utf-8") for name in ("pictures.js", "viewer.js", "page.js")
-        ),
+        "style": _read("report.css"),
+        "script": _read("pictures.js", "viewer.js", "page.js"),
+        "sorting": _read("sorting.js"),
     }
+
+
+def _read(*names: str) -> str:
+    """The text of the templates `names`, one after the other."""
+    return "\n".join((_TEMPLATES / name).read_text(encoding="utf-8") for name in names)
 
 
 def _wins(comparisons: list[Comparison], scope: str) -> list[tuple[str, int]]:

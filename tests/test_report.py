@@ -167,7 +167,7 @@ def test_a_scene_without_reference_says_so_and_shows_the_methods(compared):
     unjudged(directory, results, "archive", "environment-map", scene_picture()[0])
     unjudged(directory, results, "archive", "layered-depth", scene_picture(0.5)[0])
     page = page_of(results, directory)
-    article = page[page.index('id="title-3">archive') :]
+    article = page[page.index('id="title-3">archive') :].split("</article>")[0]
     assert "There is no reference for this scene" in article
     assert page.count("There is no reference for this scene") == 1
     assert "is missing" not in page
@@ -229,6 +229,47 @@ def photographed(page, folder, state):
 def pixels_of(pixels, color):
     """How many pixels have just that colour."""
     return int((pixels == np.array(color)).all(axis=-1).sum())
+
+
+def sorted_by(results, directory, clicks):
+    """Aria's words for the columns of the first table of figures, and its rows' methods, after `clicks` on headers."""
+    page = page_of(results, directory)
+    click = "".join(
+        f'document.querySelectorAll("article .over_reflectors thead button")[{at}].click();' for at in clicks
+    )
+    (directory / "clicked.html").write_text(page.replace("</body>", f'<script type="module">{click}</script></body>'))
+    switches = ("--headless", "--no-sandbox", "--disable-gpu", f"--user-data-dir={directory / 'profile'}", "--dump-dom")
+    address = (directory / "clicked.html").as_uri()
+    run = subprocess.run([CHROMIUM, *switches, address], capture_output=True, text=True, timeout=120, check=True)
+    table = re.search(
+        r'<div class="scroll over_reflectors">\s*<table>\s*<caption>.*?</table>', run.stdout, re.S
+    ).group()
+    headers = re.findall(r"<th scope=\"col\"[^>]*>", table)
+    directions = {
+        at: found.group(1) for at, header in enumerate(headers) if (found := re.search(r'sort="(\w+)"', header))
+    }
+    return directions, re.findall(r'data-rank="(\w+)"', table)
+
+
+@in_browser
+@pytest.mark.timeout(300)
+@pytest.mark.parametrize(
+    ("clicks", "directions", "order"),
+    [
+        ([], {1: "ascending"}, "abc"),
+        ([7], {7: "ascending"}, "cab"),
+        ([7, 7], {7: "descending"}, "acb"),
+        ([3], {3: "descending"}, "abc"),
+        ([3, 0], {0: "ascending"}, "abc"),
+        ([0, 0], {0: "descending"}, "cba"),
+    ],
+)
+def test_a_click_on_a_header_sorts_by_it(tmp_path, clicks, directions, order):
+    """Error grows from a to c; the reflection pass takes 20, nobody knows how many, and 3 milliseconds."""
+    results = Results("0.1.0", SOFTWARE)
+    for method, shift, reflection in (("a", 0.05, 20.0), ("b", 0.7, None), ("c", 1.5, 3.0)):
+        measured(tmp_path, results, "box", method, shift, time_ms=Times(reflection=reflection))
+    assert sorted_by(results, tmp_path, clicks) == (directions, list(order))
 
 
 @in_browser
