@@ -187,8 +187,10 @@ def test_bake_writes_a_picture_for_each_object_and_layer(blend, tmp_path, capsys
     pixels, metadata = read_atlas(tmp_path / "Box_layer-1.exr")
     assert pixels.shape[:2] == (2 * 16, 3 * 16)
     assert metadata["object"] == "Box"
-    listed = [Path(line).name for line in capsys.readouterr().out.splitlines() if line.endswith(".exr")]
-    assert sorted(listed) == written
+    *files, regions = capsys.readouterr().out.splitlines()
+    assert sorted(Path(line).name for line in files) == written
+    assert "regions.png" in written
+    assert "of all searches" in regions
 
 
 def test_methods_prints_every_method_and_parameter(capsys):

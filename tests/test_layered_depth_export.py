@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 from catoptric.addon.baking.layered_depth import FACES
-from catoptric.addon.baking.layered_depth_atlas import CHANNELS, bake_scene, export_bakes, read_atlas
+from catoptric.addon.baking.layered_depth_atlas import CHANNELS, bake_scene, read_atlas
 from catoptric.addon.baking.layered_depth_keys import keys_of
 from catoptric.addon.cache import Cache
 from catoptric.addon.errors import MachineError, SceneError
@@ -113,7 +113,7 @@ def test_atlases_are_read_back_bit_by_bit(tmp_path):
 def test_objects_with_the_same_name_do_not_overwrite_each_other(tmp_path):
     scene = scene_with((trimesh.creation.box(), IDENTITY), (trimesh.creation.icosphere(1), IDENTITY))
     scene = replace(scene, instances=tuple(replace(instance, name="Thing") for instance in scene.instances))
-    files = export_bakes(bake_all(scene), scene, tmp_path)
+    files = bake_scene(scene, Lighting.UNLIT, tmp_path)
     assert [file.name for file in files] == ["Thing_layer-1.exr", "Thing-2_layer-1.exr"]
 
 
@@ -121,7 +121,7 @@ def test_a_folder_that_cannot_be_made_is_one_line(tmp_path):
     (tmp_path / "file").write_text("in the way")
     scene = scene_with((trimesh.creation.box(), IDENTITY))
     with pytest.raises(MachineError, match="cannot make the folder"):
-        export_bakes(bake_all(scene), scene, tmp_path / "file" / "below")
+        bake_scene(scene, Lighting.UNLIT, tmp_path / "file" / "below")
 
 
 def test_a_file_that_is_no_atlas_is_one_line(tmp_path):

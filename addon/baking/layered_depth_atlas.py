@@ -98,22 +98,6 @@ def read_atlas(path: Path) -> tuple[np.ndarray, dict[str, object]]:
     return pixels[..., order], {entry.name.removeprefix(_PREFIX): json.loads(entry.value) for entry in mine}
 
 
-def export_bakes(
-    bakes: Sequence[LayeredDepth | None], scene: Scene, directory: Path, progress: Progress = silent
-) -> list[Path]:
-    """Write every bake as DIRECTORY/OBJECT_layer-1.exr and on; returns the files.
-
-    `bakes` as `bake_layers` gives them, one an instance; instances that share one share its files,
-    named after the first. Raises `MachineError` where the folder cannot be written.
-    """
-    owners: dict[int, list[int]] = {}
-    for instance, bake in enumerate(bakes):
-        if bake is not None:
-            owners.setdefault(id(bake), []).append(instance)
-    shared = ((instances, bakes[instances[0]]) for instances in owners.values())
-    return _export_each(shared, scene, _made(directory), progress)
-
-
 def _made(directory: Path) -> Path:
     try:
         Path(directory).mkdir(parents=True, exist_ok=True)
