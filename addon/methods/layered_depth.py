@@ -9,15 +9,15 @@ from .deferred import DeferredMethod
 class LayeredDepth(DeferredMethod):
     """Layered depth textures whose texels hold the triangles that pass through them.
 
-    A ray walks the columns of each object's three axes, skips empty depth slices by a pyramid, and
-    meets the triangles of a column exactly. It takes the nearest hit over all objects, the reflector
+    A ray walks the columns of each object it may meet, skips empty slices of depth by a pyramid, and
+    meets the triangles of a slice exactly. It takes the nearest hit over all objects, the reflector
     itself included, and follows mirrors as often as the scene's glossy bounces allow.
 
-    Source: Zhang, Hsieh and Shen, 3.3 and 3.4, whose texels sample depth; the walk over a min-max
+    Source: Zhang, Hsieh and Shen, 3.3 and 3.4, whose texels sample depth; the walk down and up a
     pyramid is hierarchical screen-space tracing's.
 
     Limitations: mirror-like materials only (roughness counts as 0); no refraction; objects that
-    deform are baked again.
+    deform are baked again; a very dense mesh costs more (1,000,000 triangles about twice 1,500).
     """
 
     name = "layered-depth"
