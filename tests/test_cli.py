@@ -76,8 +76,9 @@ def results_in(folder: Path) -> dict:
 
 
 def start(*arguments: object, **options) -> subprocess.Popen:
-    """The command in a process of its own."""
-    command = [sys.executable, "-c", "import sys; from catoptric.batch.cli import main; sys.exit(main())"]
+    """The command in a process of its own, which minds Ctrl-C even if these tests run in the background."""
+    minded = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
+    command = [sys.executable, "-c", f"{minded}; import sys; from catoptric.batch.cli import main; sys.exit(main())"]
     return subprocess.Popen(
         [*command, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options
     )
