@@ -115,15 +115,21 @@ def eevee(names: list[str]) -> None:
         )
 
 
+_PEAK = """
+import sys
+from pathlib import Path
+from catoptric.batch.cli import main
+main(["compare", sys.argv[1], "--samples", "16", "--out", sys.argv[2]])
+status = Path("/proc/self/status").read_text()  # getrusage would tell of the process that started this one, too
+print("peak", int(status.split("VmHWM:")[1].split()[0]) // 1024, "MiB")
+"""
+
+
 def memory(name: str = "statue") -> None:
-    """Peak memory of a process that bakes and renders one scene by every method, Cycles beside it."""
-    code = (
-        "import resource, sys; from catoptric.batch.cli import main; "
-        f"main(['compare', {name!r}, '--samples', '16', '--out', sys.argv[1]]); "
-        "print('peak', resource.getrusage(resource.RUSAGE_SELF).ru_maxrss // 1024, 'MiB')"
-    )
+    """Peak memory of a process that bakes and renders one scene by every method, Cycles beside it (Linux)."""
     with tempfile.TemporaryDirectory() as folder:
-        done = subprocess.run([sys.executable, "-c", code, folder], capture_output=True, text=True, check=True)
+        command = [sys.executable, "-c", _PEAK, name, folder]
+        done = subprocess.run(command, capture_output=True, text=True, check=True)
     print(name, done.stdout.strip().splitlines()[-1])
 
 
