@@ -281,6 +281,6 @@ def test_eevee_agrees_where_nothing_is_reflected(mirror_stage):
     before = stage.state()
     picture = render_eevee(scene, extracted, Lighting.UNLIT, 48, 32, 2, progress=silent)
     assert stage.state() == before
-    assert picture.seconds_per_sample > 0
+    assert picture.seconds_per_sample >= 0  # so few pixels may cost less than the clock can tell
     np.testing.assert_allclose(picture.color[1, 1], stage.WORLD, rtol=0.01)
     np.testing.assert_allclose(picture.color[-1, 24], GREY, rtol=0.01)
