@@ -1,6 +1,7 @@
 """Progress on a terminal: one bar a scene, with the time left; nothing where nobody looks."""
 
 import os
+import signal
 import sys
 from collections.abc import Iterator
 from contextlib import contextmanager
@@ -61,10 +62,20 @@ class Terminal:
         )
 
     def __enter__(self) -> "Terminal":
+        self._before = signal.getsignal(signal.SIGINT)
+        if self._before is signal.default_int_handler:
+            signal.signal(signal.SIGINT, self._stop)
         self._bars.start()
         return self
 
+    def _stop(self, *_: object) -> None:
+        """Blender swallows what is raised below its own code; then the next report of progress stops the work."""
+        self._stopped.set()
+        raise KeyboardInterrupt
+
     def __exit__(self, *failure: object) -> None:
+        if self._before is signal.default_int_handler:
+            signal.signal(signal.SIGINT, self._before)
         # Ctrl-C stops the main thread alone; what still runs on another learns it from its callback.
         self._stopped.set()
         self._bars.stop()
