@@ -286,7 +286,7 @@ def test_neighbouring_charts_keep_their_distance():
             assert np.maximum(low - other_high, other_low - high).max() >= 2.0
 
 
-@given(st.lists(st.sampled_from([32, 64, 128, 256, 512, 1024]), min_size=1, max_size=40))
+@given(st.lists(st.sampled_from([32, 64, 128, 256, 512, 1024, 2048]), min_size=1, max_size=40))
 def test_places_in_the_atlas_do_not_overlap(sizes):
     places, (width, height) = atlas_places(sizes)
     used = np.zeros((height // 32, width // 32), int)
@@ -301,7 +301,7 @@ def test_places_in_the_atlas_do_not_overlap(sizes):
 @given(st.lists(st.floats(1e-6, 1e6), min_size=1, max_size=50), st.integers(1 << 10, 1 << 22))
 def test_sizes_follow_area_within_bounds(areas, texels):
     sizes = np.array(lightmap_sizes(areas, texels))
-    assert set(sizes) <= {32, 64, 128, 256, 512, 1024}
+    assert set(sizes) <= {32, 64, 128, 256, 512, 1024, 2048}
     order = np.argsort(areas)
     assert (np.diff(sizes[order]) >= 0).all()
     assert (sizes.astype(float) ** 2)[sizes > 32].sum() <= 2.01 * texels

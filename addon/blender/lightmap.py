@@ -10,13 +10,14 @@ from ..errors import MachineError, UsageError
 from ..progress import Progress, silent
 from ..scene import Image, Scene
 from .lightmap_denoise import denoised
+from .lightmap_density import appearance, seen_area, split_where_seen, users_of_meshes
 from .lightmap_stage import bake_stage
 from .lightmap_uv import unwrap
 from .reference import cycles_engine
 from .render_fingerprint import LIGHTMAP_NAME, fingerprint, without_lightmaps
 from .render_settings import changed, first_line, quiet
 
-SMALLEST, LARGEST = 32, 1024
+SMALLEST, LARGEST = 32, 2048
 CHUNK = 16
 _OUTSIDE = -2.0
 """Where triangles lie that get no light map: off the image."""
@@ -37,19 +38,20 @@ def bake_lightmaps(
 
     A surface's diffuse radiance is `base * diffuse * lightmap`: the lightmap holds irradiance over
     pi, direct and indirect, of all lamps, the world and glowing surfaces, without caustics, on the
-    side that the shading normals point to. `texels` are shared out among the instances by their
-    area in the world, 32 to 1024 a side; `samples` a texel are denoised. The .blend stays as it
-    was. Raises `UsageError` for settings that make no sense, `MachineError` where Cycles fails;
-    passes on what `progress` raises.
+    side that the shading normals point to. `texels` are shared out among the instances by
+    how large they appear, 32 to 2048 a side; `samples` a texel are denoised. Triangles that appear
+    much larger at one end are split, without a gap, so that texels can lie where they are seen.
+    The .blend stays as it was. Raises `UsageError` for settings that make no sense, `MachineError`
+    where Cycles fails; passes on what `progress` raises.
     """
     if samples < 1 or texels < 1:
         raise UsageError("a lightmap needs at least one sample and one texel")
-    scene = without_lightmaps(scene)
     receivers = [index for index, instance in enumerate(scene.instances) if _scatters(scene, instance.materials)]
     if not receivers:
-        return scene
+        return without_lightmaps(scene)
+    scene = without_lightmaps(split_where_seen(scene, receivers, appearance(scene)))
     with cycles_engine(bpy_scene):
-        key = key_of("lightmap 1", fingerprint(bpy_scene, scene), samples, texels)
+        key = key_of("lightmap 2", fingerprint(bpy_scene, scene), samples, texels)
         known = cache.get("lightmap", key) if cache else None
         arrays = known.arrays if known else _bake(bpy_scene, scene, receivers, samples, texels, progress)
     if cache and not known:
@@ -65,12 +67,15 @@ def _bake(
     bpy_scene: bpy.types.Scene, scene: Scene, receivers: list[int], samples: int, texels: int, progress: Progress
 ) -> dict[str, np.ndarray]:
     """Lightmaps ("image I", (S, S, 3)) by instance, and their coordinates ("uvs M", (T, 3, 2)) by mesh."""
-    sizes = lightmap_sizes([world_area(scene, index) for index in receivers], texels)
+    seen = appearance(scene)
+    shown = {index: seen_area(scene, index, seen) for index in receivers}
+    sizes = lightmap_sizes([float((scale**2 * area).sum()) for scale, area in shown.values()], texels)
+    size_of = dict(zip(receivers, sizes, strict=True))
     uvs = {}
-    for number, mesh in enumerate(sorted({scene.instances[index].mesh for index in receivers})):
+    for number, (mesh, users) in enumerate(users_of_meshes(scene, receivers).items()):
         progress("unwrapping", 0.1 * number / len(receivers))
-        users = [size for index, size in zip(receivers, sizes, strict=True) if scene.instances[index].mesh == mesh]
-        uvs[mesh] = unwrap(scene.meshes[mesh], min(users))
+        size = min(size_of[index] for index in users)
+        uvs[mesh] = unwrap(scene.meshes[mesh], size, np.max([shown[index][0] for index in users], axis=0))
     places, extent = atlas_places(sizes)
     layout = []
     tiles = dict(zip(receivers, zip(places, sizes, strict=True), strict=True))
@@ -90,22 +95,9 @@ def _bake(
     return arrays
 
 
-def world_area(scene: Scene, index: int) -> float:
-    """Square metres of an instance's triangles."""
-    instance = scene.instances[index]
-    corners = scene.meshes[instance.mesh].corners @ instance.matrix[:3, :3].T
-    return float(
-        np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum() / 2
-    )
-
-
 def lightmap_sizes(areas: list[float], texels: int) -> list[int]:
-    """Texels a side, powers of two, of lightmaps that together have about `texels`.
-
-    A large surface gets fewer texels a square metre than a small one (as many as the root of its
-    area): else a wide floor leaves nothing to what stands on it.
-    """
-    shares = np.sqrt(np.maximum(areas, 1e-12))
+    """Texels a side, powers of two, of lightmaps that together have about `texels`, shared out by `areas`."""
+    shares = np.maximum(areas, 1e-12)
     sides = np.sqrt(texels * shares / shares.sum())
     return [int(size) for size in np.clip(2 ** np.round(np.log2(sides)), SMALLEST, LARGEST)]
 

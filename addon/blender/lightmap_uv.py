@@ -1,5 +1,7 @@
 """An automatic second UV layer: where in a lightmap each triangle lies."""
 
+import itertools
+
 import bpy
 import numpy as np
 
@@ -16,12 +18,49 @@ _LEAST_USE = 0.08
 """The share of the image that must hold charts; below it the gaps have eaten it up."""
 
 
-def unwrap(mesh: Mesh, size: int) -> np.ndarray:
+_EVEN = (0.3, 0.45, 0.6, 0.8)
+"""The share of texels along each side that is dealt out evenly: it keeps charts apart where little is seen."""
+
+_STRIPS = 64
+"""Columns and rows of the image that may be widened or narrowed, each as a whole."""
+
+_SMOOTH = np.hanning(13)[1:-1] / np.hanning(13).sum()
+"""How widening spreads over strips: a long thin triangle turns over where it changes within the triangle."""
+
+
+def unwrap(mesh: Mesh, size: int, seen: np.ndarray | None = None) -> np.ndarray:
     """Lightmap coordinates of `mesh` for an image of `size` texels a side: (T, 3, 2) float32 in 0..1.
 
     Charts do not overlap, and lie three texels apart as long as there is room. Blender's smart
-    projection makes them; where a mesh falls to pieces under it, each triangle is a chart.
+    projection makes them; where a mesh falls to pieces under it, each triangle is a chart. With
+    `seen` (T,), how large a metre of each triangle appears, columns and rows of the image are
+    widened where they hold what appears large.
     """
+    uvs = _charts(mesh, size)
+    return uvs if seen is None else _widened(uvs, seen)
+
+
+def _widened(uvs: np.ndarray, seen: np.ndarray) -> np.ndarray:
+    """Each side stretched by a monotone map, as far as no triangle turns over, so that none come to overlap."""
+    before = _doubled_areas(uvs)
+    for even in _EVEN:
+        wide = np.stack([_stretched(uvs[..., axis], seen, even) for axis in (0, 1)], axis=-1).astype(np.float32)
+        if not ((before * _doubled_areas(wide) < 0) & (np.abs(before) > 1e-12)).any():
+            return wide
+    return uvs
+
+
+def _stretched(places: np.ndarray, seen: np.ndarray, even: float) -> np.ndarray:
+    edges = np.linspace(0.0, 1.0, _STRIPS + 1)
+    low, high = places.min(axis=1), places.max(axis=1)
+    held = [(low < right) & (high > left) for left, right in itertools.pairwise(edges)]
+    largest = np.array([seen[inside].max(initial=0.0) for inside in held])
+    largest = np.convolve(np.pad(largest, len(_SMOOTH) // 2, mode="edge"), _SMOOTH, "valid")
+    widths = even + (1.0 - even) * largest / max(largest.mean(), 1e-30)
+    return np.interp(places, edges, np.concatenate([[0.0], np.cumsum(widths)]) / widths.sum())
+
+
+def _charts(mesh: Mesh, size: int) -> np.ndarray:
     a, b, c = mesh.triangles.T
     sound = (a != b) & (b != c) & (c != a)  # of a mesh without any, the projection never returns
     uvs = np.zeros((len(sound), 3, 2), np.float32)
@@ -34,8 +73,13 @@ def unwrap(mesh: Mesh, size: int) -> np.ndarray:
 
 
 def _fits(uvs: np.ndarray) -> bool:
+    return uvs.min() >= 0.0 and uvs.max() <= 1.0 and np.abs(_doubled_areas(uvs)).sum() / 2 >= _LEAST_USE
+
+
+def _doubled_areas(uvs: np.ndarray) -> np.ndarray:
+    """Twice the signed area of each triangle, (T,)."""
     (ux, uy), (vx, vy) = (uvs[:, 1] - uvs[:, 0]).T, (uvs[:, 2] - uvs[:, 0]).T
-    return uvs.min() >= 0.0 and uvs.max() <= 1.0 and np.abs(ux * vy - uy * vx).sum() / 2 >= _LEAST_USE
+    return ux * vy - uy * vx
 
 
 def _smart_project(positions: np.ndarray, triangles: np.ndarray, margin: float) -> np.ndarray | None:
