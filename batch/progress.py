@@ -69,9 +69,15 @@ class Terminal:
         return self
 
     def _stop(self, *_: object) -> None:
-        """Blender swallows what is raised below its own code; then the next report of progress stops the work."""
+        """The first Ctrl-C waits for the next report of progress, the second does not.
+
+        Raised at once, it would land in Blender's own Python as often as not, which prints or swallows it.
+        """
+        if self._stopped.is_set():
+            raise KeyboardInterrupt
         self._stopped.set()
-        raise KeyboardInterrupt
+        # Not through the console: the signal may have come in the middle of its own writing.
+        os.write(sys.stderr.fileno(), b"\ncatoptric: stopping after this step; press Ctrl-C again to stop at once\n")
 
     def __exit__(self, *failure: object) -> None:
         if self._before is signal.default_int_handler:
