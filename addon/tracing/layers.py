@@ -66,7 +66,7 @@ def _padded_box(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 def _side(triangles: int, largest: int) -> int:
     """Columns along the longer side: a few columns for each triangle."""
-    return int(min(largest, 2 ** np.ceil(np.log2(2.0 * np.sqrt(triangles)))))
+    return int(min(largest, 2 ** np.ceil(np.log2(4.0 * np.sqrt(triangles)))))
 
 
 def _columns(column, triangle, first, last, shape) -> tuple[np.ndarray, np.ndarray, np.ndarray]:

@@ -1,5 +1,9 @@
 // The nearest triangle along a ray, by layered depth textures whose texels hold triangles
 // (addon/tracing/layers.py): a walk over the instances' boxes, then over columns cut into slices of depth.
+//
+// Lanes walk in step, and one without work waits (or, in llvmpipe, works in vain) while another has some. So
+// each loop looks for the next thing to do with as little as possible, does it outside of that search, and
+// asks at its end whether there is more (Aila and Laine 2009).
 
 #include "common/scene.glsl"
 
@@ -47,22 +51,23 @@ uvec2 words_of(ivec2 slices) {
 
 // Tests the triangles of a slice against the ray, given in the mesh's space from its box on.
 void meet_span(uvec2 span, Segment ray, float least, int instance, Hit from, inout Hit hit) {
-    for (uint i = 0u; i < span.y; ++i) {
-        int triangle = int(texelFetch(layer_entries, texel_at(int(span.x + i)), 0).x);
+    uint entry = span.x;
+    do {
+        int triangle = int(texelFetch(layer_entries, texel_at(int(entry)), 0).x);
         vec3 met = meet_plane(ray.origin, ray.direction, triangle_at(triangle));
         float distance = ray.start + met.z;
         bool inside = met.x >= -1e-6 && met.y >= -1e-6 && met.x + met.y <= 1.000001;
         if (inside && distance > least && distance < hit.distance
             && !(instance == from.instance && triangle == from.triangle))
             hit = Hit(instance, triangle, met.xy, distance);
-    }
+    } while (++entry < span.x + span.y);
 }
 
 // Tests the slices of a column that are both `wanted` and occupied, in the order of the ray.
 void meet_column(uvec3 column, uvec2 wanted, bool upwards, Segment ray, float least,
                  int instance, Hit from, inout Hit hit) {
     float before = hit.distance;
-    while (wanted != uvec2(0u) && hit.distance == before) {
+    do {
         bool low = upwards ? wanted.x != 0u : wanted.y == 0u;
         uint word = low ? wanted.x : wanted.y;
         int bit = upwards ? findLSB(word) : findMSB(word);
@@ -70,7 +75,7 @@ void meet_column(uvec3 column, uvec2 wanted, bool upwards, Segment ray, float le
         int span = int(column.z) + bitCount(below) + (low ? 0 : bitCount(column.x));
         meet_span(texelFetch(layer_spans, texel_at(span), 0).xy, ray, least, instance, from, hit);
         wanted &= ~(low ? uvec2(1u << bit, 0u) : uvec2(0u, 1u << bit));
-    }
+    } while (wanted != uvec2(0u) && hit.distance == before);
 }
 
 int blocks_at(ivec2 shape, int level) {
@@ -78,35 +83,54 @@ int blocks_at(ivec2 shape, int level) {
     return blocks.x * blocks.y;
 }
 
+// A place on a walk over the columns of a mesh: a block of them at a level of the pyramid.
+struct Walk {
+    float at, next;   // metres from the box on: where the ray enters the block, and where it leaves it
+    ivec2 block;
+    int level, first_block;
+};
+
+// The slices of the block that the ray passes and that hold anything; `node` is the block's.
+uvec2 look(inout Walk walk, ivec2 shape, Segment local, vec2 inverse, vec2 nudge, vec2 forward, out uvec3 node) {
+    vec2 place = clamp(local.origin.xy + walk.at * local.direction.xy + nudge, vec2(0.0), vec2(shape) - 0.5);
+    walk.block = ivec2(place) >> walk.level;
+    vec2 leaves = ((vec2(walk.block) + forward) * float(1 << walk.level) - local.origin.xy) * inverse;
+    walk.next = max(min(min(leaves.x, leaves.y), local.end), walk.at);
+    int row = (shape.x + (1 << walk.level) - 1) >> walk.level;
+    node = texelFetch(layer_nodes, texel_at(walk.first_block + walk.block.x + row * walk.block.y), 0).xyz;
+    return node.xy & words_of(slices_between(local.origin.z + vec2(walk.at, walk.next) * local.direction.z));
+}
+
+void go_on(inout Walk walk, ivec2 shape, int top, Segment local, vec2 nudge) {
+    ivec2 after = ivec2(local.origin.xy + walk.next * local.direction.xy + nudge) >> walk.level;
+    if (walk.level < top && after >> 1 != walk.block >> 1) walk.first_block += blocks_at(shape, walk.level++);
+    walk.at = walk.next + 1e-6 * walk.next;
+}
+
 // Walks the columns of a mesh from the coarsest level. `local` is the ray with u and v in columns and
 // depth in slices; both count distance from the box on.
 void walk_columns(ivec4 grid, Segment local, Segment ray, float least, int instance, Hit from, inout Hit hit) {
     ivec2 shape = grid.xy;
-    int top = grid.z - 1, level = top, first_block = grid.w;
+    int top = grid.z - 1;
     vec2 inverse = safe_inverse(local.direction).xy;
     vec2 forward = vec2(greaterThanEqual(local.direction.xy, vec2(0.0)));
     vec2 nudge = NUDGE * sign(local.direction.xy);
-    float at = 0.0;
-    while (at < local.end && ray.start + at < hit.distance) {
-        vec2 place = clamp(local.origin.xy + at * local.direction.xy + nudge, vec2(0.0), vec2(shape) - 0.5);
-        ivec2 block = ivec2(place) >> level;
-        vec2 leaves = ((vec2(block) + forward) * float(1 << level) - local.origin.xy) * inverse;
-        float next = max(min(min(leaves.x, leaves.y), local.end), at);
-        int row = (shape.x + (1 << level) - 1) >> level;
-        uvec3 node = texelFetch(layer_nodes, texel_at(first_block + block.x + row * block.y), 0).xyz;
-        uvec2 wanted = node.xy & words_of(slices_between(local.origin.z + vec2(at, next) * local.direction.z));
-        if (wanted != uvec2(0u)) {
-            if (level > 0) {
-                first_block -= blocks_at(shape, --level);
-                continue;
-            }
+    Walk walk = Walk(0.0, 0.0, ivec2(0), top, grid.w);
+    uvec3 node;
+    uvec2 wanted;
+    do {
+        bool found = false;
+        do {
+            wanted = look(walk, shape, local, inverse, nudge, forward, node);
+            if (wanted == uvec2(0u)) go_on(walk, shape, top, local, nudge);
+            else if (walk.level > 0) walk.first_block -= blocks_at(shape, --walk.level);
+            else found = true;
+        } while (!found && walk.at < local.end);
+        if (found) {
             meet_column(node, wanted, local.direction.z >= 0.0, ray, least, instance, from, hit);
+            go_on(walk, shape, top, local, nudge);
         }
-        if (next >= local.end) return;
-        ivec2 after = ivec2(local.origin.xy + next * local.direction.xy + nudge) >> level;
-        if (level < top && after >> 1 != block >> 1) first_block += blocks_at(shape, level++);
-        at = next + 1e-6 * next;
-    }
+    } while (walk.at < local.end && ray.start + walk.at < hit.distance);
 }
 
 void meet_instance(Ray world, int instance, float least, Hit from, inout Hit hit) {
@@ -134,6 +158,20 @@ int left_behind(Ray ray, Hit from) {
     return dot(cross(t.b - t.a, t.c - t.a), direction) > 0.0 ? from.instance : NONE;
 }
 
+// The next instance whose box `ray` meets before `reach`, NONE if there is none; `node` is where to look on.
+int next_instance(inout int node, int first, Ray ray, vec3 inverse, float reach, int skipped) {
+    int found = NONE;
+    do {
+        vec4 low = texelFetch(records, texel_at(first + 2 * node), 0);
+        vec4 high = texelFetch(records, texel_at(first + 2 * node + 1), 0);
+        vec2 span = box_span(ray.origin, inverse, low.xyz, high.xyz);
+        bool missed = span.x > span.y || span.y < 0.0 || span.x > reach;
+        node = missed ? int(low.w) : node + 1;
+        if (!missed && int(high.w) != skipped) found = int(high.w);
+    } while (found < 0 && node < hierarchy_nodes);
+    return found;
+}
+
 // The nearest hit of `ray` within `reach` metres; `from` is the point it leaves, never met again.
 Hit nearest_hit(Ray ray, Hit from, float reach) {
     Hit hit = Hit(NONE, NONE, vec2(0.0), reach);
@@ -142,16 +180,12 @@ Hit nearest_hit(Ray ray, Hit from, float reach) {
     int skipped = left_behind(ray, from);
     ivec3 down = ivec3(lessThan(ray.direction, vec3(0.0)));
     int first = first_node + 2 * hierarchy_nodes * (down.x + 2 * down.y + 4 * down.z);
-    for (int node = 0; node < hierarchy_nodes;) {
-        vec4 low = texelFetch(records, texel_at(first + 2 * node), 0);
-        vec4 high = texelFetch(records, texel_at(first + 2 * node + 1), 0);
-        vec2 span = box_span(ray.origin, inverse, low.xyz, high.xyz);
-        if (span.x > span.y || span.y < 0.0 || span.x > hit.distance) {
-            node = int(low.w);
-        } else {
-            if (high.w >= 0.0 && int(high.w) != skipped) meet_instance(ray, int(high.w), least, from, hit);
-            ++node;
-        }
-    }
+    int node = 0;
+    int instance = next_instance(node, first, ray, inverse, reach, skipped);
+    if (instance >= 0) do {
+        meet_instance(ray, instance, least, from, hit);
+        instance = NONE;
+        if (node < hierarchy_nodes) instance = next_instance(node, first, ray, inverse, hit.distance, skipped);
+    } while (instance >= 0);
     return hit;
 }

@@ -68,12 +68,11 @@ float height_of(Face face, vec3 place) {
 int layer_around(Face face, vec3 place) {
     float h = height_of(face, place);
     ivec2 layers = layers_at(face, place);
-    for (int j = 0; j < min(layers.y, most_layers); ++j) {
-        vec2 depth = depths_of(face, layers, j);
-        if (h < depth.x) return NONE;
-        if (h <= depth.y) return j;
-    }
-    return NONE;
+    int count = min(layers.y, most_layers), j = 0;
+    if (count == 0) return NONE;
+    vec2 depth;
+    do depth = depths_of(face, layers, j); while (h > depth.y && ++j < count);
+    return j < count && h >= depth.x ? j : NONE;
 }
 
 // Behind the entry of a layer that the linear search has found.
@@ -85,13 +84,13 @@ bool is_behind(Face face, vec3 place, int layer) {
 // From `a` to `b`, where the ray enters and leaves the box (0..1 in it): equal steps to the first
 // point inside, then halves of the last one.
 Met search_face(Face face, vec3 a, vec3 b) {
-    int layer = layer_around(face, a);
     float before = 0.0, at = 0.0;
-    for (int i = 1; i <= linear_steps && layer == NONE; ++i) {
+    int layer, i = 0;
+    do {
         before = at;
         at = float(i) / float(linear_steps);
         layer = layer_around(face, mix(a, b, at));
-    }
+    } while (layer == NONE && ++i <= linear_steps);
     if (layer == NONE) return Met(1.0, NONE, FAR);
     for (int i = 0; i < binary_steps; ++i) {
         float middle = 0.5 * (before + at);
@@ -124,7 +123,8 @@ Found search_object(int instance, Ray world) {
     vec3 entries = min(-origin * inverse, (1.0 - origin) * inverse);
     int first = entries.x >= entries.y && entries.x >= entries.z ? 0 : entries.y >= entries.z ? 1 : 2;
     float least = FAR;
-    for (int i = 0; i < 3 && least > threshold; ++i) {
+    int i = 0;
+    do {
         int axis = (first + i) % 3;
         if (direction[axis] == 0.0) continue;
         Face face = face_of(instance, axis, direction[axis] < 0.0);
@@ -132,6 +132,6 @@ Found search_object(int instance, Ray world) {
         if (met.layer == NONE || met.error >= least) continue;
         least = met.error;
         found = Found(color_at(face, mix(a, b, met.at), met.layer), mix(span.x, span.y, met.at));
-    }
+    } while (++i < 3 && least > threshold);
     return found;
 }
