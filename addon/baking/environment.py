@@ -3,10 +3,16 @@
 import moderngl
 import numpy as np
 
-from ..drawing import FREE_UNIT, Resident, ScreenPass, Visibility, world_box, world_to_clip
+from ..drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility, world_box, world_to_clip
 from ..errors import MachineError
 from ..gl import DataTexture, require
 from ..scene import Camera, Scene
+
+_PASSES = (
+    ("world/world.frag", Part.WORLD),
+    ("lit/lit.frag", Part.SURFACES),
+    ("environment_map/world_only.frag", Part.REFLECTORS),
+)
 
 _SENSOR = 36.0
 _LEAST = 16
@@ -33,7 +39,7 @@ class EnvironmentCubes:
         self._texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
         self._target = context.framebuffer([self._texture])
         self._visibility = Visibility(self.size, self.size)
-        self._passes = [ScreenPass(name, resident) for name in ("lit/lit.frag", "environment_map/world_only.frag")]
+        self._passes = [ScreenPass(name, resident, part) for name, part in _PASSES]
         boxes = _boxes(resident.scene)
         self._captures = DataTexture(boxes.reshape(-1, 4) if len(boxes) else np.zeros((1, 4), np.float32))
         self._cameras = [face_cameras(box[0, :3], boxes, self.size) for box in boxes]

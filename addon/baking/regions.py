@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ..drawing import FREE_UNIT, Resident, ScreenPass, Visibility, world_to_clip
+from ..drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility, world_to_clip
 from ..gl import DataTexture, on_gl_thread, program, require, screen
 from ..scene import Camera, Instance, Mesh, Scene
 
@@ -135,7 +135,7 @@ def region_view(resident: Resident, camera: Camera, width: int, height: int) -> 
     try:
         regions.update(camera)
         visibility.draw(resident, world_to_clip(camera, width, height))
-        view = ScreenPass("regions/view.frag", resident)
+        view = ScreenPass("regions/view.frag", resident, Part.REFLECTORS)
         view.shader["objects"] = len(resident.scene.instances)
         regions.bind(view.shader, FREE_UNIT + 1)
         target.clear()

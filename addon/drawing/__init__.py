@@ -3,10 +3,11 @@
 from .passes import ScreenPass
 from .resident import FREE_UNIT, Resident
 from .tables import tables_of, world_box
-from .visibility import Visibility, world_to_clip
+from .visibility import Part, Visibility, world_to_clip
 
 __all__ = [
     "FREE_UNIT",
+    "Part",
     "Resident",
     "ScreenPass",
     "Visibility",

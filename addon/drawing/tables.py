@@ -5,13 +5,13 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..scene import ColorSource, Image, Instance, Material, Mesh, Scene
+from ..scene import ColorSource, Fresnel, Image, Instance, Material, Mesh, Scene
 from ..tracing import OCTANTS, Layers, build_hierarchy, build_layers, is_convex
 from .lamps import lamp_rows
 
 _BYTES, _SRGB = 1, 2
 _HOLDS_BYTES, _HOLDS_FLOATS = 1, 2
-_NONE = -1
+_NONE = _MIRRORS_NOTHING = -1
 _LAYER_TABLES = {"layer_nodes": 3, "layer_spans": 2, "layer_entries": 1}
 
 
@@ -65,7 +65,12 @@ def material_defines(scene: Scene) -> dict[str, int]:
                 is_bytes = scene.images[color.image].pixels.dtype == np.uint8
                 defines[name] |= _HOLDS_BYTES if is_bytes else _HOLDS_FLOATS
     tinted = any(color.vertex_colors for colors in sources.values() for color in colors)
-    return {**defines, "VERTEX_COLORS": int(tinted)}
+    return {
+        **defines,
+        "VERTEX_COLORS": int(tinted),
+        "EMISSION": int(any(material.emits for material in scene.materials)),
+        "DIELECTRICS": int(any(m.mirrors and m.fresnel is Fresnel.DIELECTRIC for m in scene.materials)),
+    }
 
 
 def world_box(instance: Instance, mesh: Mesh) -> np.ndarray:
@@ -86,12 +91,14 @@ def _positions(mesh: Mesh) -> np.ndarray:
 
 
 def _corners(mesh: Mesh) -> np.ndarray:
-    rows = np.zeros((len(mesh.triangles), 3, 2, 4), np.float32)
-    rows[:, :, 0, :3] = mesh.normals
-    rows[:, :, 0, 3], rows[:, :, 1, 0] = mesh.uvs[..., 0], mesh.uvs[..., 1]
+    count = len(mesh.triangles)
+    normals = np.zeros((count, 3, 4), np.float32)
+    normals[..., :3] = mesh.normals
+    uvs = np.zeros((count, 12), np.float32)
+    uvs[:, :6] = mesh.uvs.reshape(count, 6)
     if mesh.lightmap_uvs is not None:
-        rows[:, :, 1, 1:3] = mesh.lightmap_uvs
-    return rows.reshape(-1, 4)
+        uvs[:, 6:] = mesh.lightmap_uvs.reshape(count, 6)
+    return np.concatenate([normals.reshape(count, 12), uvs], axis=1).reshape(-1, 4)
 
 
 def _vertex_colors(meshes: Sequence[Mesh]) -> np.ndarray:
@@ -141,18 +148,22 @@ def _instances_and_materials(scene: Scene, layers: Sequence[Layers], grids) -> t
 
 
 def _material(material: Material) -> np.ndarray:
-    sources = (material.base, material.emission, material.reflection)
-    images = [_NONE if source.image is None else source.image for source in sources]
+    base, reflection, emission = material.base, material.reflection, material.emission
+    fresnel = material.fresnel if material.mirrors else _MIRRORS_NOTHING
     return np.array(
         [
-            [*material.base.color, material.diffuse],
-            [*material.emission.color, material.emits],
-            [*material.reflection.color, material.fresnel],
-            [*images, material.mirrors],
-            [*(_flags(source) for source in sources), material.ior],
+            [*base.color, material.diffuse],
+            [_image(base), _flags(base), fresnel, material.ior],
+            [*reflection.color, _image(reflection)],
+            [*emission.color, _image(emission)],
+            [_flags(reflection), _flags(emission), 0.0, 0.0],
         ],
         np.float32,
     )
+
+
+def _image(source: ColorSource) -> int:
+    return _NONE if source.image is None else source.image
 
 
 def _flags(source: ColorSource) -> int:

@@ -1,5 +1,7 @@
 """What a camera sees first: a triangle a pixel."""
 
+from enum import Enum
+
 import moderngl
 import numpy as np
 
@@ -8,10 +10,19 @@ from ..scene import Camera
 from .resident import FREE_UNIT, Resident
 
 
+class Part(Enum):
+    """What of the picture a pass draws: (depth of its fragments, -1 to 1; how they compare to the part's)."""
+
+    REFLECTORS = -0.5, ">"
+    SURFACES = 0.5, ">"
+    WORLD = 0.5, "<"
+
+
 class Visibility:
     """A picture of (instance + 1, triangle), (0, 0) where the world is seen. Lives on the GL thread.
 
-    `reflectors` is a depth buffer of the same size for a target's attachment: 0 where a reflector shows.
+    `parts` is a depth buffer of the same size for a target's attachment, by which passes over a `Part` are
+    spared all other pixels; the target then needs a `depth_mask` of False.
     """
 
     def __init__(self, width: int, height: int) -> None:
@@ -22,9 +33,9 @@ class Visibility:
         self.texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._depth = context.depth_renderbuffer(self.size)
         self._target = context.framebuffer([self.texture], self._depth)
-        self.reflectors = context.depth_renderbuffer(self.size)
-        self._mask = context.framebuffer([], self.reflectors)
-        self._mark = program(None, "visibility/reflectors.frag")
+        self.parts = context.depth_renderbuffer(self.size)
+        self._mask = context.framebuffer([], self.parts)
+        self._mark = program(None, "visibility/parts.frag")
         self._screen = screen(self._mark)
 
     def draw(self, resident: Resident, world_to_clip: np.ndarray, hidden: frozenset[int] = frozenset()) -> None:
@@ -36,8 +47,8 @@ class Visibility:
         context.enable_only(moderngl.DEPTH_TEST)
         resident.rasterise(world_to_clip, hidden)
 
-    def mark_reflectors(self, resident: Resident) -> None:
-        """Fill `reflectors` from what `draw` found."""
+    def mark_parts(self, resident: Resident) -> None:
+        """Fill `parts` from what `draw` found."""
         context = require()
         self._mask.use()
         context.viewport = (0, 0, *self.size)
@@ -51,7 +62,7 @@ class Visibility:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self._target, self.texture, self._depth, self._mask, self.reflectors):
+        for part in (self._target, self.texture, self._depth, self._mask, self.parts):
             part.release()
 
 

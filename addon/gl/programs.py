@@ -13,11 +13,7 @@ SHADERS = Path(__file__).resolve().parents[2] / "gpu_shaders"
 
 _VERSION = "#version 410 core"
 _INCLUDE = re.compile(r'^\s*#include\s+"([^"]+)"')
-_QUAD = """#version 410 core
-void main() {
-    gl_Position = vec4(vec2((gl_VertexID & 1) * 4 - 1, (gl_VertexID >> 1) * 4 - 1), 0.0, 1.0);
-}
-"""
+_SCREEN = "common/screen.vert"
 
 
 class ShaderError(Exception):
@@ -49,18 +45,18 @@ def _paste(name: str, files: list[str], lines: list[str]) -> None:
 
 def program(vertex: str | None, fragment: str, defines: Mapping[str, int] | None = None) -> moderngl.Program:
     """The program of two files below gpu_shaders/, compiled once; no vertex file means a full-screen triangle."""
-    return _compile(vertex, fragment, tuple(sorted((defines or {}).items())))
+    return _compile(vertex or _SCREEN, fragment, tuple(sorted((defines or {}).items())))
 
 
 @cache
-def _compile(vertex: str | None, fragment: str, defines: tuple[tuple[str, int], ...]) -> moderngl.Program:
-    vertex_text, vertex_files = source(vertex, dict(defines)) if vertex else (_QUAD, [])
+def _compile(vertex: str, fragment: str, defines: tuple[tuple[str, int], ...]) -> moderngl.Program:
+    vertex_text, vertex_files = source(vertex, dict(defines))
     fragment_text, fragment_files = source(fragment, dict(defines))
     try:
         return require().program(vertex_shader=vertex_text, fragment_shader=fragment_text)
     except moderngl.Error as error:
         files = vertex_files if "vertex_shader" in str(error) else fragment_files
-        raise ShaderError(_located(str(error), files or [fragment])) from None
+        raise ShaderError(_located(str(error), files)) from None
 
 
 def _located(message: str, files: list[str]) -> str:

@@ -6,7 +6,7 @@ from typing import ClassVar
 import moderngl
 import numpy as np
 
-from ..drawing import Resident, ScreenPass, Visibility, world_to_clip
+from ..drawing import Part, Resident, ScreenPass, Visibility, world_to_clip
 from ..errors import MachineError, UsageError
 from ..gl import median_ms, on_gl_thread, require
 from ..progress import Progress, silent
@@ -30,8 +30,9 @@ class DeferredMethod(Method):
         self.scene = scene
         self.resident = Resident(scene, lighting)
         self.bake(progress)
-        self._lit = ScreenPass("lit/lit.frag", self.resident)
-        self._reflection = ScreenPass(self.shader, self.resident)
+        self._world = ScreenPass("world/world.frag", self.resident, Part.WORLD)
+        self._lit = ScreenPass("lit/lit.frag", self.resident, Part.SURFACES)
+        self._reflection = ScreenPass(self.shader, self.resident, Part.REFLECTORS)
 
     def bake(self, progress: Progress) -> None:
         """Bake what the reflections need; on the GL thread, with `self.resident` at hand."""
@@ -51,9 +52,9 @@ class DeferredMethod(Method):
         visibility = Visibility(*size)
         sums, once = (require().texture(size, 4, dtype="f4") for _ in range(2))
         distance = require().texture(size, 1, dtype="f4")
-        picture = require().framebuffer([sums], visibility.reflectors)
-        probe = require().framebuffer([once, distance], visibility.reflectors)
-        picture.depth_mask = probe.depth_mask = False  # neither a pass nor a clear may wipe the mask
+        picture = require().framebuffer([sums], visibility.parts)
+        probe = require().framebuffer([once, distance], visibility.parts)
+        picture.depth_mask = probe.depth_mask = False  # neither a pass nor a clear may wipe the parts
         try:
             progress("timing", 0.0)
             time_ms = self._time(view, visibility, picture)
@@ -81,14 +82,15 @@ class DeferredMethod(Method):
         return {"reflection": reflection, "frame": scene + reflection}
 
     def _see(self, view, visibility, target, offset=(0.0, 0.0), weight=1.0) -> None:
-        """The scene without reflections, and which pixels show a reflector."""
+        """The scene without reflections."""
         visibility.draw(self.resident, world_to_clip(view.camera, view.width, view.height, offset))
-        visibility.mark_reflectors(self.resident)
-        self._lit.draw(view.camera, visibility, target, offset=offset, weight=weight)
+        visibility.mark_parts(self.resident)
+        for drawn in (self._world, self._lit):
+            drawn.draw(view.camera, visibility, target, offset=offset, weight=weight)
 
     def _reflect(self, view, visibility, target, **sample) -> None:
         self.bind_reflection(self._reflection.shader, view)
-        self._reflection.draw(view.camera, visibility, target, on_reflectors=True, **sample)
+        self._reflection.draw(view.camera, visibility, target, **sample)
 
     def free(self) -> None:
         """Give back what `bake` took; on the GL thread."""

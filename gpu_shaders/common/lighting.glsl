@@ -21,8 +21,9 @@ vec3 scattered(Surface s) {
 #endif
 }
 
-// `mirrored` is the share that the surface reflects; a dielectric scatters only what passes it.
-vec3 own_radiance(Surface s, vec3 mirrored) {
-    vec3 passed = s.reflects && s.fresnel == FRESNEL_DIELECTRIC ? 1.0 - mirrored : vec3(1.0);
+// Towards a viewer whose ray has `direction`. A dielectric scatters only what it does not reflect.
+vec3 own_radiance(Surface s, vec3 direction) {
+    vec3 passed = vec3(1.0);
+    if (DIELECTRICS != 0 && s.fresnel == FRESNEL_DIELECTRIC) passed -= reflectance(s, direction);
     return s.emission + passed * scattered(s);
 }

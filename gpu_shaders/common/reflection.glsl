@@ -12,8 +12,8 @@ struct Mirrored {
     float distance;  // metres from the surface to what is seen; FAR for the world
 };
 
-// `from` is the point on the reflector, `s` its surface, `ray` the viewer's ray to it.
-Mirrored mirrored_light(Surface s, Hit from, Ray ray);
+// `s` is the point on the reflector; the viewer's ray to it has `direction`.
+Mirrored mirrored_light(Surface s, vec3 direction);
 
 void main() {
     Ray ray = pixel_ray();
@@ -21,7 +21,7 @@ void main() {
     if (hit.instance == NONE || !is_reflector(hit.instance)) discard;
     Surface s = surface_at(hit, ray.direction);
     if (!s.reflects) discard;
-    Mirrored mirrored = mirrored_light(s, hit, ray);
+    Mirrored mirrored = mirrored_light(s, ray.direction);
     color = weight * vec4(mirrored.radiance, 0.0);
     distance_to_hit = mirrored.distance;
 }

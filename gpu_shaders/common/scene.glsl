@@ -3,7 +3,7 @@
 #include "common/data.glsl"
 
 uniform sampler2D positions;       // 3 texels a triangle: corner xyz; w of the first: material slot
-uniform sampler2D corners;         // 6 texels a triangle, 2 a corner: normal xyz, u | v, lightmap uv, -
+uniform sampler2D corners;         // 6 texels a triangle: 3 normals; 3 uvs and 3 lightmap uvs, two a texel
 uniform sampler2D vertex_colors;   // 3 texels a triangle: linear RGBA
 uniform sampler2D records;         // instances (10 texels each), then materials, hierarchy and lamps
 uniform usampler2D images;         // 1 texel an image: offset, width, height, flags

@@ -2,7 +2,7 @@
 
 #include "common/image.glsl"
 
-const int FRESNEL_CONSTANT = 0, FRESNEL_SCHLICK = 1, FRESNEL_DIELECTRIC = 2;
+const int MIRRORS_NOTHING = -1, FRESNEL_CONSTANT = 0, FRESNEL_SCHLICK = 1, FRESNEL_DIELECTRIC = 2;
 const int TINTED = 8;  // flag of a colour
 
 struct Surface {
@@ -27,29 +27,15 @@ vec4 material_texel(int material, int offset) {
 }
 
 // A program is compiled for what the scene's materials use (addon/drawing/resident.py): BASE_IMAGES,
-// EMISSION_IMAGES and REFLECTION_IMAGES are 0, BYTES, FLOATS or both, VERTEX_COLORS 0 or 1.
+// EMISSION_IMAGES and REFLECTION_IMAGES are 0, BYTES, FLOATS or both; VERTEX_COLORS, EMISSION and
+// DIELECTRICS (among what mirrors) 0 or 1.
 
 // `flags` packs interpolation, extension and whether vertex colours count (addon/drawing/tables.py).
 vec3 color_of(vec3 factor, float image, float flags, vec2 uv, vec3 vertex_color, int holds) {
+    if (holds == 0 && VERTEX_COLORS == 0) return factor;
     int bits = int(flags);
     if (holds != 0 && image >= 0.0) factor *= image_at(int(image), uv, bits & 1, (bits >> 1) & 3, holds).rgb;
-    return (bits & TINTED) != 0 ? factor * vertex_color : factor;
-}
-
-// Cycles lifts a reflected ray that an interpolated normal would send under the true surface: the
-// normal turns towards the flat one until the ray clears it. In the plane of both normals, a normal
-// at angle a from the flat one reflects `view` (at angle b, length r there) to the height
-// r cos(2 a - b) above the surface, so the largest angle allowed has a closed form.
-vec3 normal_that_reflects(vec3 normal, vec3 flat_normal, vec3 view) {
-    float height = dot(view, flat_normal);
-    float least = min(0.9 * height, 0.01);
-    vec3 mirrored = 2.0 * dot(normal, view) * normal - view;
-    vec3 across = normal - dot(normal, flat_normal) * flat_normal;
-    if (dot(mirrored, flat_normal) >= least || dot(across, across) < 1e-12) return normal;
-    across = normalize(across);
-    float side = dot(view, across);
-    float angle = 0.5 * (atan(side, height) + acos(clamp(least / length(vec2(side, height)), -1.0, 1.0)));
-    return cos(angle) * flat_normal + sin(angle) * across;
+    return VERTEX_COLORS != 0 && (bits & TINTED) != 0 ? factor * vertex_color : factor;
 }
 
 vec3 vertex_color_at(int triangle, vec3 weight) {
@@ -58,41 +44,47 @@ vec3 vertex_color_at(int triangle, vec3 weight) {
     return sum;
 }
 
+vec4 corner_texel(int triangle, int offset) {
+    return texelFetch(corners, texel_at(6 * triangle + offset), 0);
+}
+
 Surface surface_at(Hit hit, vec3 direction) {
     Surface s;
     s.at = hit;
     Triangle t = triangle_at(hit.triangle);
     vec3 weight = vec3(1.0 - hit.barycentric.x - hit.barycentric.y, hit.barycentric);
-    vec4 data[6];
-    for (int i = 0; i < 6; ++i) data[i] = texelFetch(corners, texel_at(6 * hit.triangle + i), 0);
 
     s.position = object_to_world(hit.instance) * vec4(mat3(t.a, t.b, t.c) * weight, 1.0);
     mat3 to_normal = transpose(mat3(world_to_object(hit.instance)));
     s.flat_normal = normalize(to_normal * cross(t.b - t.a, t.c - t.a));
-    s.normal = normalize(to_normal * (mat3(data[0].xyz, data[2].xyz, data[4].xyz) * weight));
+    mat3 normals = mat3(corner_texel(hit.triangle, 0).xyz, corner_texel(hit.triangle, 1).xyz,
+                        corner_texel(hit.triangle, 2).xyz);
+    s.normal = normalize(to_normal * (normals * weight));
     if (dot(s.flat_normal, direction) > 0.0) {
         s.flat_normal = -s.flat_normal;
         s.normal = -s.normal;
     }
-    s.normal = normal_that_reflects(s.normal, s.flat_normal, -direction);
 
-    vec2 uv = mat3x2(data[0].w, data[1].x, data[2].w, data[3].x, data[4].w, data[5].x) * weight;
+    vec4 first = corner_texel(hit.triangle, 3), second = corner_texel(hit.triangle, 4);
+    vec4 third = corner_texel(hit.triangle, 5);
+    vec2 uv = mat3x2(first.xy, first.zw, second.xy) * weight;
     s.lightmap = lightmap_of(hit.instance);
-    s.lightmap_uv = mat3x2(data[1].yz, data[3].yz, data[5].yz) * weight;
+    s.lightmap_uv = mat3x2(second.zw, third.xy, third.zw) * weight;
 
     int material = first_material_of(hit.instance) + slot_of(hit.triangle);
-    vec4 base = material_texel(material, 0), emission = material_texel(material, 1);
-    vec4 reflection = material_texel(material, 2), sources = material_texel(material, 3);
+    // What a pass does not use is not fetched: the first two texels are what every pass uses.
+    vec4 base = material_texel(material, 0), kind = material_texel(material, 1);
+    vec4 reflection = material_texel(material, 2), emission = material_texel(material, 3);
     vec4 flags = material_texel(material, 4);
     vec3 tint = VERTEX_COLORS != 0 ? vertex_color_at(hit.triangle, weight) : vec3(1.0);
-    s.base = color_of(base.rgb, sources.x, flags.x, uv, tint, BASE_IMAGES);
-    s.emission = color_of(emission.rgb, sources.y, flags.y, uv, tint, EMISSION_IMAGES);
-    s.reflection = color_of(reflection.rgb, sources.z, flags.z, uv, tint, REFLECTION_IMAGES);
+    s.base = color_of(base.rgb, kind.x, kind.y, uv, tint, BASE_IMAGES);
+    s.emits = EMISSION != 0 && any(greaterThan(emission.rgb, vec3(0.0)));
+    s.emission = s.emits ? color_of(emission.rgb, emission.a, flags.y, uv, tint, EMISSION_IMAGES) : vec3(0.0);
+    s.reflection = color_of(reflection.rgb, reflection.a, flags.x, uv, tint, REFLECTION_IMAGES);
     s.diffuse = base.a;
-    s.emits = emission.a > 0.0;
-    s.fresnel = int(reflection.a);
-    s.ior = flags.w;
-    s.reflects = is_reflector(hit.instance) && sources.w > 0.0;
+    s.fresnel = int(kind.z);
+    s.ior = kind.w;
+    s.reflects = is_reflector(hit.instance) && s.fresnel != MIRRORS_NOTHING;
     return s;
 }
 
@@ -104,10 +96,28 @@ float dielectric(float cosine, float ior) {
     return 0.5 * a * a * (1.0 + b * b);
 }
 
+// Cycles lifts a reflected ray that an interpolated normal would send under the true surface: the
+// normal turns towards the flat one until the ray clears it. In the plane of both normals it then
+// halves the angle between the way to the viewer and a ray of the same length at the least height allowed.
+vec3 mirror_normal(Surface s, vec3 direction) {
+    float height = -dot(direction, s.flat_normal);
+    float least = min(0.9 * height, 0.01);
+    vec3 across = s.normal - dot(s.normal, s.flat_normal) * s.flat_normal;
+    if (dot(reflect(direction, s.normal), s.flat_normal) >= least || dot(across, across) < 1e-12) return s.normal;
+    across = normalize(across);
+    vec2 viewer = vec2(-dot(direction, across), height);
+    vec2 half_way = normalize(viewer + vec2(sqrt(dot(viewer, viewer) - least * least), least));
+    return half_way.x * across + half_way.y * s.flat_normal;
+}
+
+Ray mirrored_ray(Surface s, vec3 direction) {
+    return Ray(s.position, reflect(direction, mirror_normal(s, direction)));
+}
+
 vec3 reflectance(Surface s, vec3 direction) {
     if (!s.reflects) return vec3(0.0);
-    float cosine = clamp(-dot(s.normal, direction), 0.0, 1.0);
+    float cosine = clamp(-dot(mirror_normal(s, direction), direction), 0.0, 1.0);
     if (s.fresnel == FRESNEL_SCHLICK) return mix(s.reflection, vec3(1.0), pow(1.0 - cosine, 5.0));
-    if (s.fresnel == FRESNEL_DIELECTRIC) return s.reflection * dielectric(cosine, s.ior);
+    if (DIELECTRICS != 0 && s.fresnel == FRESNEL_DIELECTRIC) return s.reflection * dielectric(cosine, s.ior);
     return s.reflection;
 }

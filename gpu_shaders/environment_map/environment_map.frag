@@ -4,7 +4,7 @@
 #include "common/reflection.glsl"
 #include "common/environment.glsl"
 
-Mirrored mirrored_light(Surface s, Hit from, Ray ray) {
-    vec3 direction = reflect(ray.direction, s.normal);
-    return Mirrored(reflectance(s, ray.direction) * environment_radiance(reflector_of(from.instance), direction), FAR);
+Mirrored mirrored_light(Surface s, vec3 direction) {
+    vec3 towards = mirrored_ray(s, direction).direction;
+    return Mirrored(reflectance(s, direction) * environment_radiance(reflector_of(s.at.instance), towards), FAR);
 }

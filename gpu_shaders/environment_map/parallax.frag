@@ -4,12 +4,12 @@
 #include "common/reflection.glsl"
 #include "common/environment.glsl"
 
-Mirrored mirrored_light(Surface s, Hit from, Ray ray) {
-    int reflector = reflector_of(from.instance);
-    vec3 direction = reflect(ray.direction, s.normal);
-    vec3 ahead = mix(capture_texel(reflector, 1), capture_texel(reflector, 2), greaterThan(direction, vec3(0.0)));
-    vec3 reach = (ahead - s.position) / mix(direction, vec3(1e-20), equal(direction, vec3(0.0)));
+Mirrored mirrored_light(Surface s, vec3 direction) {
+    int reflector = reflector_of(s.at.instance);
+    vec3 mirrored = mirrored_ray(s, direction).direction;
+    vec3 ahead = mix(capture_texel(reflector, 1), capture_texel(reflector, 2), greaterThan(mirrored, vec3(0.0)));
+    vec3 reach = (ahead - s.position) / mix(mirrored, vec3(1e-20), equal(mirrored, vec3(0.0)));
     float distance = max(0.0, min(min(reach.x, reach.y), reach.z));
-    vec3 towards = s.position + distance * direction - capture_texel(reflector, 0);
-    return Mirrored(reflectance(s, ray.direction) * environment_radiance(reflector, towards), distance);
+    vec3 towards = s.position + distance * mirrored - capture_texel(reflector, 0);
+    return Mirrored(reflectance(s, direction) * environment_radiance(reflector, towards), distance);
 }

@@ -2,6 +2,6 @@
 
 #include "common/reflection.glsl"
 
-Mirrored mirrored_light(Surface s, Hit from, Ray ray) {
-    return Mirrored(reflectance(s, ray.direction) * world_radiance(reflect(ray.direction, s.normal)), FAR);
+Mirrored mirrored_light(Surface s, vec3 direction) {
+    return Mirrored(reflectance(s, direction) * world_radiance(mirrored_ray(s, direction).direction), FAR);
 }

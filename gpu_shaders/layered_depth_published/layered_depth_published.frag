@@ -10,15 +10,25 @@ uniform int objects;       // instances of the scene
 uniform bool use_regions;
 uniform bool nearest;      // of several objects, the nearest; else the last, as blending leaves it
 
-Mirrored mirrored_light(Surface s, Hit from, Ray ray) {
-    Ray reflected = Ray(s.position, reflect(ray.direction, s.normal));
-    Mirrored seen = Mirrored(environment_radiance(reflector_of(from.instance), reflected.direction), FAR);
-    for (int object = 0; object < objects; ++object) {
+// The next object after `object` that the point may show, `objects` if there is none.
+int next_object(int object, Hit from) {
+    bool shown = false;
+    while (!shown && ++object < objects) {
         bool baked = texelFetch(peeled_objects, texel_at(4 * object), 0).x != 0u;
-        if (!baked || object == from.instance || (use_regions && !in_region(from, object))) continue;
+        shown = baked && object != from.instance && (!use_regions || in_region(from, object));
+    }
+    return object;
+}
+
+Mirrored mirrored_light(Surface s, vec3 direction) {
+    Ray reflected = mirrored_ray(s, direction);
+    Mirrored seen = Mirrored(environment_radiance(reflector_of(s.at.instance), reflected.direction), FAR);
+    int object = next_object(-1, s.at);
+    if (object < objects) do {
         Found found = search_object(object, reflected);
         if (found.distance < (nearest ? seen.distance : FAR)) seen = Mirrored(found.radiance, found.distance);
-    }
-    seen.radiance *= reflectance(s, ray.direction);
+        object = next_object(object, s.at);
+    } while (object < objects);
+    seen.radiance *= reflectance(s, direction);
     return seen;
 }

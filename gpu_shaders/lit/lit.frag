@@ -1,4 +1,4 @@
-// The scene without reflections: the world, and the light that each surface gives off or scatters.
+// The surfaces without reflections: the light that each gives off or scatters.
 
 #include "common/picture.glsl"
 
@@ -9,10 +9,7 @@ layout(location = 0) out vec4 color;  // radiance; alpha: share that shows a ref
 void main() {
     Ray ray = pixel_ray();
     Hit hit = pixel_hit(ray);
-    if (hit.instance == NONE) {
-        color = weight * vec4(world_radiance(ray.direction), 0.0);
-        return;
-    }
+    if (hit.instance == NONE) discard;
     Surface s = surface_at(hit, ray.direction);
-    color = weight * vec4(own_radiance(s, reflectance(s, ray.direction)), float(s.reflects));
+    color = weight * vec4(own_radiance(s, ray.direction), float(s.reflects));
 }

@@ -46,10 +46,10 @@ void main() {
     vec3 inward = vec3(axis == 0, axis == 1, axis == 2) * ((index & 1) == 0 ? 1.0 : -1.0);
     vec3 direction = normalize(mat3(object_to_world(instance)) * inward);
     Surface s = surface_at(Hit(instance, triangle, barycentric, 0.0), direction);
-    color = vec4(own_radiance(s, reflectance(s, direction)), 1.0);
+    color = vec4(own_radiance(s, direction), 1.0);
 
     vec3 weight = vec3(1.0 - barycentric.x - barycentric.y, barycentric), smooth_normal = vec3(0.0);
-    for (int i = 0; i < 3; ++i) smooth_normal += weight[i] * texelFetch(corners, texel_at(6 * triangle + 2 * i), 0).xyz;
+    for (int i = 0; i < 3; ++i) smooth_normal += weight[i] * texelFetch(corners, texel_at(6 * triangle + i), 0).xyz;
     smooth_normal /= max(length(smooth_normal), 1e-30);
     normal = vec4(dot(cross(t.b - t.a, t.c - t.a), inward) > 0.0 ? -smooth_normal : smooth_normal, 0.0);
 }
