@@ -5,7 +5,7 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ..drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility, world_to_clip
+from ..drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility, first_triangles, world_to_clip
 from ..gl import DataTexture, on_gl_thread, program, require, screen
 from ..scene import Camera, Instance, Mesh, Scene
 
@@ -43,7 +43,7 @@ class Regions:
         self._resident = resident
         self.words = max(1, -(-len(scene.instances) // _WORD))
         counts = np.array([len(mesh.triangles) for mesh in scene.meshes], np.int64)
-        self._first_triangle = np.concatenate([[0], np.cumsum(counts)])
+        self._first_triangle = first_triangles(resident.scene)
         self._counts = {index: int(counts[scene.instances[index].mesh]) for index in scene.reflectors}
         self._first_row, rows = {}, -(-len(scene.instances) // _WIDTH)
         for index, count in self._counts.items():
@@ -150,7 +150,7 @@ def region_view(resident: Resident, camera: Camera, width: int, height: int) -> 
 
 def removed(scene: Scene, masks: dict[int, np.ndarray], seen: np.ndarray) -> Removed:
     """What `masks` spare; `seen` (pixels, 2) holds instance + 1 and the triangle of the scene, as `Visibility` does."""
-    first = np.concatenate([[0], np.cumsum([len(mesh.triangles) for mesh in scene.meshes])])
+    first = first_triangles(scene)
     shown = [instance.in_reflections for instance in scene.instances]
     left: dict[str, list[np.ndarray]] = {"triangles": [np.zeros(0)], "fragments": [np.zeros(0)]}
     for index, mask in masks.items():

@@ -4,9 +4,9 @@ import moderngl
 import numpy as np
 
 from ..gl import DataTexture, program, require
-from ..scene import Lighting, Scene
+from ..scene import Lighting, Mesh, Scene
 from .lamps import world_light
-from .tables import material_defines, tables_of
+from .tables import first_triangles, geometry_tables, material_defines, record_table
 
 _LIGHTING = {Lighting.UNLIT: 0, Lighting.CYCLES: 1, Lighting.DIRECT: 2}
 
@@ -19,18 +19,47 @@ class Resident:
 
     def __init__(self, scene: Scene, lighting: Lighting) -> None:
         """Upload everything; raises `MachineError` where the GPU cannot hold it."""
-        self.scene = scene
         self.lighting = lighting
-        tables = tables_of(scene)
-        self._numbers = tables.numbers
+        self._visibility = program("visibility/visibility.vert", "visibility/visibility.frag")
+        self._textures: dict[str, DataTexture] = {}
+        self._vertex_arrays: dict[Mesh, moderngl.VertexArray] = {}
+        self._upload(geometry_tables(scene))
+        self._take(scene)
+
+    def update(self, scene: Scene) -> bool:
+        """Upload what differs from the scene before; whether anything but the camera did.
+
+        What is the same object in memory is taken to be unchanged.
+        """
+        before = self.scene
+        if not _same(_geometry(scene), _geometry(before)):
+            self._upload(geometry_tables(scene))
+        elif _same(_placement(scene), _placement(before)):
+            self.scene = scene
+            return False
+        self._take(scene)
+        return True
+
+    def _take(self, scene: Scene) -> None:
+        """Upload what there is little of."""
+        records, self._numbers = record_table(scene)
+        self._upload({"records": records})
+        self.scene = scene
         self._material_defines = material_defines(scene)
         self._world_light = world_light(scene.world)
-        self._textures = {name: DataTexture(array) for name, array in tables.arrays.items()}
-        self._first_triangle = tables.first_triangle
-        self._visibility = program("visibility/visibility.vert", "visibility/visibility.frag")
-        self._vertex_arrays = [self._vertex_array(mesh) for mesh in scene.meshes]
+        self._first_triangle = first_triangles(scene)
+        for mesh in self._vertex_arrays.keys() - set(scene.meshes):
+            self._vertex_arrays.pop(mesh).release()
+        for mesh in set(scene.meshes) - self._vertex_arrays.keys():
+            self._vertex_arrays[mesh] = self._vertex_array(mesh)
 
-    def _vertex_array(self, mesh) -> moderngl.VertexArray:
+    def _upload(self, tables: dict[str, np.ndarray]) -> None:
+        for name, table in tables.items():
+            if name in self._textures:
+                self._textures.pop(name).release()
+            self._textures[name] = DataTexture(table)
+
+    def _vertex_array(self, mesh: Mesh) -> moderngl.VertexArray:
         context = require()
         vertices = context.buffer(np.ascontiguousarray(mesh.positions, np.float32))
         indices = context.buffer(np.ascontiguousarray(mesh.triangles, np.int32))
@@ -68,11 +97,25 @@ class Resident:
                 self._visibility["object_to_clip"].write(matrix.T.tobytes())
                 self._visibility["instance"] = index + 1
                 self._visibility["first_triangle"] = int(self._first_triangle[instance.mesh])
-                self._vertex_arrays[instance.mesh].render(moderngl.TRIANGLES)
+                self._vertex_arrays[self.scene.meshes[instance.mesh]].render(moderngl.TRIANGLES)
 
     def release(self) -> None:
         """Give the GPU memory back."""
         for texture in self._textures.values():
             texture.release()
-        for array in self._vertex_arrays:
+        for array in self._vertex_arrays.values():
             array.release()
+
+
+def _geometry(scene: Scene) -> tuple:
+    """What `geometry_tables` are made of."""
+    return (*scene.meshes, None, *scene.images, None, scene.world.panorama)
+
+
+def _placement(scene: Scene) -> tuple:
+    """What `record_table` is made of besides, and the uniforms."""
+    return (*scene.instances, None, *scene.materials, None, *scene.lamps, None, scene.world)
+
+
+def _same(some: tuple, others: tuple) -> bool:
+    return len(some) == len(others) and all(one is other for one, other in zip(some, others, strict=True))

@@ -1,7 +1,7 @@
 """A Scene as the tables that gpu_shaders/common reads: plain arrays, one row a texel."""
 
 from collections.abc import Sequence
-from dataclasses import dataclass
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -13,42 +13,49 @@ _BYTES, _SRGB = 1, 2
 _HOLDS_BYTES, _HOLDS_FLOATS = 1, 2
 _NONE = _MIRRORS_NOTHING = -1
 _LAYER_TABLES = {"layer_nodes": 3, "layer_spans": 2, "layer_entries": 1}
+_STRUCTURES: "WeakKeyDictionary[Mesh, tuple[Layers, bool]]" = WeakKeyDictionary()
 
 
-@dataclass(frozen=True, eq=False)
-class Tables:
-    """The tables of a scene.
-
-    `arrays` by sampler name; `numbers`, integer uniforms that tell where sections of them begin, how
-    long they are, and which image is the panorama (-1: none); `first_triangle` of each mesh.
-    """
-
-    arrays: dict[str, np.ndarray]
-    numbers: dict[str, int]
-    first_triangle: np.ndarray
-
-
-def tables_of(scene: Scene) -> Tables:
-    """Lay out the whole scene. Every table has at least one row, so that its texture exists."""
-    counts = [len(mesh.triangles) for mesh in scene.meshes]
-    first_triangle = np.concatenate([[0], np.cumsum(counts)]).astype(np.int64)
-    layers = [build_layers(mesh.corners) for mesh in scene.meshes]
-    images = list(scene.images)
-    panorama = _NONE
-    if scene.world.panorama is not None:
-        panorama = len(images)
-        images.append(_opaque(scene.world.panorama))
-    layer_arrays, grids = _layers(layers, first_triangle)
-    records, numbers = _records(scene, layers, grids)
-    arrays = {
+def geometry_tables(scene: Scene) -> dict[str, np.ndarray]:
+    """What meshes and images hold, by sampler name. Every table has at least one row, so that its texture exists."""
+    return {
         "positions": _rows([_positions(mesh) for mesh in scene.meshes]),
         "corners": _rows([_corners(mesh) for mesh in scene.meshes]),
         "vertex_colors": _vertex_colors(scene.meshes),
-        "records": records,
-        **_images(images),
-        **layer_arrays,
+        **_images(_all_images(scene)),
+        **_layers([_structure(mesh)[0] for mesh in scene.meshes], first_triangles(scene)),
     }
-    return Tables(arrays, {**numbers, "world_panorama": panorama}, first_triangle)
+
+
+def record_table(scene: Scene) -> tuple[np.ndarray, dict[str, int]]:
+    """All that there is little of, in one table, since a shader may read only 16; and integer uniforms.
+
+    These tell where sections of the table begin and how long they are, and which image is the
+    panorama (-1: none).
+    """
+    instances, materials = _instances_and_materials(scene)
+    hierarchy, lamps = _hierarchy(scene), lamp_rows(scene.lamps)
+    numbers = {
+        "first_material": len(instances),
+        "first_node": len(instances) + len(materials),
+        "hierarchy_nodes": len(hierarchy) // (2 * OCTANTS),
+        "first_lamp": len(instances) + len(materials) + len(hierarchy),
+        "lamp_count": len(scene.lamps),
+        "world_panorama": _NONE if scene.world.panorama is None else len(scene.images),
+    }
+    return np.concatenate([instances, materials, hierarchy, lamps]).astype(np.float32), numbers
+
+
+def first_triangles(scene: Scene) -> np.ndarray:
+    """Where the triangles of each mesh begin among all, and in the end how many there are."""
+    return np.concatenate([[0], np.cumsum([len(mesh.triangles) for mesh in scene.meshes])]).astype(np.int64)
+
+
+def _structure(mesh: Mesh) -> tuple[Layers, bool]:
+    """The layers of a mesh, and whether it is convex; found once, as long as the mesh lives."""
+    if mesh not in _STRUCTURES:
+        _STRUCTURES[mesh] = build_layers(mesh.corners), is_convex(mesh.positions, mesh.triangles)
+    return _STRUCTURES[mesh]
 
 
 def material_defines(scene: Scene) -> dict[str, int]:
@@ -109,21 +116,7 @@ def _vertex_colors(meshes: Sequence[Mesh]) -> np.ndarray:
     return np.concatenate([np.asarray(rows, np.float32).reshape(-1, 4) for rows in colors])
 
 
-def _records(scene: Scene, layers: Sequence[Layers], grids: np.ndarray) -> tuple[np.ndarray, dict[str, int]]:
-    """Everything there is little of, in one table: a shader may read only 16."""
-    instances, materials = _instances_and_materials(scene, layers, grids)
-    hierarchy, lamps = _hierarchy(scene), lamp_rows(scene.lamps)
-    numbers = {
-        "first_material": len(instances),
-        "first_node": len(instances) + len(materials),
-        "hierarchy_nodes": len(hierarchy) // (2 * OCTANTS),
-        "first_lamp": len(instances) + len(materials) + len(hierarchy),
-        "lamp_count": len(scene.lamps),
-    }
-    return np.concatenate([instances, materials, hierarchy, lamps]).astype(np.float32), numbers
-
-
-def _instances_and_materials(scene: Scene, layers: Sequence[Layers], grids) -> tuple[np.ndarray, np.ndarray]:
+def _instances_and_materials(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     """An instance's materials stand in a row of their own, so that a slot is an offset."""
     first: dict[tuple[int, ...], int] = {}
     order: list[int] = []
@@ -132,7 +125,8 @@ def _instances_and_materials(scene: Scene, layers: Sequence[Layers], grids) -> t
             first[instance.materials] = len(order)
             order.extend(instance.materials)
     rows = np.zeros((len(scene.instances), 10, 4), np.float32)
-    convex = [is_convex(mesh.positions, mesh.triangles) for mesh in scene.meshes]
+    layers, convex = zip(*map(_structure, scene.meshes), strict=True) if scene.meshes else ((), ())
+    grids = _grids(layers)
     reflector = 0
     for row, instance in zip(rows, scene.instances, strict=True):
         row[0:3] = instance.matrix[:3]
@@ -170,6 +164,11 @@ def _flags(source: ColorSource) -> int:
     return source.interpolation | source.extension << 1 | source.vertex_colors << 3
 
 
+def _all_images(scene: Scene) -> list[Image]:
+    """The scene's images, and the panorama last."""
+    return [*scene.images, *([] if scene.world.panorama is None else [_opaque(scene.world.panorama)])]
+
+
 def _opaque(panorama: np.ndarray) -> Image:
     pixels = np.ones((*panorama.shape[:2], 4), np.float32)
     pixels[..., :3] = panorama[..., :3]
@@ -193,12 +192,11 @@ def _images(images: Sequence[Image]) -> dict[str, np.ndarray]:
     }
 
 
-def _layers(layers: Sequence[Layers], first_triangle: np.ndarray) -> tuple[dict[str, np.ndarray], np.ndarray]:
-    """The meshes' columns in common tables, and each mesh's (columns along u and v, levels, coarsest node)."""
+def _layers(layers: Sequence[Layers], first_triangle: np.ndarray) -> dict[str, np.ndarray]:
+    """The meshes' columns in common tables."""
     parts = {name: [np.zeros((1, width), np.uint32)] for name, width in _LAYER_TABLES.items()}
     offsets = dict.fromkeys(parts, 1)
-    grids = np.zeros((len(layers), 4), np.float32)
-    for grid, mesh, first in zip(grids, layers, first_triangle, strict=False):
+    for mesh, first in zip(layers, first_triangle[:-1], strict=True):
         placed = {
             "layer_nodes": mesh.nodes + np.array([0, 0, offsets["layer_spans"]], np.uint32),
             "layer_spans": mesh.spans + np.array([offsets["layer_entries"], 0], np.uint32),
@@ -207,8 +205,13 @@ def _layers(layers: Sequence[Layers], first_triangle: np.ndarray) -> tuple[dict[
         for name, part in placed.items():
             parts[name].append(part)
             offsets[name] += len(part)
-        grid[:] = *mesh.shape, mesh.levels, offsets["layer_nodes"] - 1
-    return {name: np.concatenate(part) for name, part in parts.items()}, grids
+    return {name: np.concatenate(part) for name, part in parts.items()}
+
+
+def _grids(layers: Sequence[Layers]) -> np.ndarray:
+    """Each mesh's columns along u and v, levels, and coarsest node in the common table."""
+    last = np.cumsum([len(mesh.nodes) for mesh in layers])  # the common table begins with an empty node
+    return np.array([(*mesh.shape, mesh.levels, node) for mesh, node in zip(layers, last, strict=True)], np.float32)
 
 
 def _hierarchy(scene: Scene) -> np.ndarray:

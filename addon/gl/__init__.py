@@ -3,6 +3,6 @@
 from .context import call, on_gl_thread, require
 from .programs import program, screen
 from .textures import DataTexture
-from .timers import is_software, median_ms
+from .timers import Stopwatch, is_software
 
-__all__ = ["DataTexture", "call", "is_software", "median_ms", "on_gl_thread", "program", "require", "screen"]
+__all__ = ["DataTexture", "Stopwatch", "call", "is_software", "on_gl_thread", "program", "require", "screen"]

@@ -1,10 +1,9 @@
 """How long the GPU takes."""
 
-from collections.abc import Callable
+from collections.abc import Callable, Iterator
+from contextlib import contextmanager
 from statistics import median
 from time import perf_counter
-
-import moderngl
 
 from .context import require
 
@@ -16,29 +15,41 @@ def is_software(renderer: str) -> bool:
     return any(name in renderer.lower() for name in _SOFTWARE)
 
 
-def median_ms(draw: Callable[[], None], repeats: int = 5, warm_up: int = 1) -> float:
-    """Median milliseconds of `draw`, after `warm_up` calls that are not counted.
+class Stopwatch:
+    """Times the stages of a frame; a stage may come again and again. Lives on the GL thread.
 
-    By timer queries on a GPU. Software renderers answer a query before they have drawn, so there
-    the clock runs until the picture is finished.
+    By timer queries on a GPU, which cost nothing until `medians` waits for them. Software renderers
+    answer a query before they have drawn, so there the clock runs until the picture is finished.
     """
-    context = require()
-    measure = _clock_ms if is_software(context.info["GL_RENDERER"]) else _query_ms
-    for _ in range(warm_up):
-        measure(context, draw)
-    return median(measure(context, draw) for _ in range(repeats))
 
+    def __init__(self) -> None:
+        """Start without any stage."""
+        self._context = require()
+        self._stage = self._clocked if is_software(self._context.info["GL_RENDERER"]) else self._queried
+        self._times: dict[str, list[Callable[[], float]]] = {}
 
-def _query_ms(context: moderngl.Context, draw: Callable[[], None]) -> float:
-    query = context.query(time=True)
-    with query:
-        draw()
-    return query.elapsed / 1e6
+    @contextmanager
+    def stage(self, name: str) -> Iterator[None]:
+        """Time what is drawn inside."""
+        with self._stage(self._times.setdefault(name, [])):
+            yield
 
+    @contextmanager
+    def _queried(self, times: list[Callable[[], float]]) -> Iterator[None]:
+        query = self._context.query(time=True)
+        with query:
+            yield
+        times.append(lambda: query.elapsed / 1e6)
 
-def _clock_ms(context: moderngl.Context, draw: Callable[[], None]) -> float:
-    context.finish()
-    start = perf_counter()
-    draw()
-    context.finish()
-    return 1e3 * (perf_counter() - start)
+    @contextmanager
+    def _clocked(self, times: list[Callable[[], float]]) -> Iterator[None]:
+        self._context.finish()
+        start = perf_counter()
+        yield
+        self._context.finish()
+        elapsed = 1e3 * (perf_counter() - start)
+        times.append(lambda: elapsed)
+
+    def medians(self) -> dict[str, float]:
+        """Median milliseconds of each stage. The first time of several, a warm-up, is not counted."""
+        return {name: median(time() for time in times[len(times) > 1 :]) for name, times in self._times.items()}

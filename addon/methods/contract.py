@@ -7,6 +7,8 @@ from typing import ClassVar
 
 import numpy as np
 
+from ..drawing import Canvas
+from ..gl import on_gl_thread
 from ..parameters import Parameter, Value, resolve
 from ..progress import Progress, silent
 from ..scene import Camera, Instance, Lighting, Scene
@@ -29,8 +31,8 @@ class Frame:
     `color` (H, W, 3) float32 scene-linear radiance; `reflectors` (H, W) float32 in 0..1, the share
     of the pixel that shows a reflector; `distance` (H, W) float32 metres from the reflector to what
     the pixel's centre sees in it, infinite where that is the world, NaN off the reflectors;
-    `time_ms` GPU milliseconds by stage for one sample a pixel ("reflection", "frame"), the median
-    of several.
+    `time_ms` GPU milliseconds by stage for one sample a pixel, the median over the samples; "frame" is
+    all of them, "reflection" what the reflections take of it.
     """
 
     color: np.ndarray
@@ -64,8 +66,25 @@ class Method(ABC):
         """Bake what the scene needs; called once for a scene before any `render`."""
 
     @abstractmethod
+    def update(self, scene: Scene, progress: Progress = silent) -> None:
+        """Go on with another state of the scene; costs only what has changed.
+
+        What is the same object in memory, a mesh or an image, is taken to be unchanged.
+        """
+
+    @abstractmethod
+    def paint(self, view: View, canvas: Canvas, progress: Progress = silent) -> dict[str, float]:
+        """Draw the prepared scene on a canvas of the view's size, on the GL thread; `time_ms` as of a `Frame`."""
+
+    @on_gl_thread
     def render(self, view: View, progress: Progress = silent) -> Frame:
-        """The picture of the prepared scene."""
+        """The picture of the prepared scene, `view.samples` squared samples a pixel."""
+        canvas = Canvas(view.width, view.height)
+        try:
+            time_ms = self.paint(view, canvas, progress)
+            return Frame(*canvas.read(), time_ms)
+        finally:
+            canvas.release()
 
     @abstractmethod
     def release(self) -> None:

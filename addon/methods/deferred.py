@@ -4,16 +4,15 @@ from abc import abstractmethod
 from typing import ClassVar
 
 import moderngl
-import numpy as np
 
-from ..drawing import Part, Resident, ScreenPass, Visibility, world_to_clip
-from ..errors import MachineError, UsageError
-from ..gl import median_ms, on_gl_thread, require
+from ..drawing import Canvas, Part, Resident, ScreenPass, world_to_clip
+from ..gl import Stopwatch, on_gl_thread
 from ..progress import Progress, silent
 from ..scene import Lighting, Scene
-from .contract import Frame, Method, View
+from .contract import Method, View
 
-_TIMED_FRAMES = 5
+_TIMED = 3
+"""How often what a frame prepares is timed, where a picture has several samples."""
 
 
 class DeferredMethod(Method):
@@ -26,10 +25,13 @@ class DeferredMethod(Method):
 
     @on_gl_thread
     def prepare(self, scene: Scene, lighting: Lighting, progress: Progress = silent) -> None:
-        """Upload the scene, bake what the method needs, compile its shader."""
+        """Upload the scene, compile the shaders, bake what the method needs."""
         self.scene = scene
         self.resident = Resident(scene, lighting)
+        self._compile()
         self.bake(progress)
+
+    def _compile(self) -> None:
         self._world = ScreenPass("world/world.frag", self.resident, Part.WORLD)
         self._lit = ScreenPass("lit/lit.frag", self.resident, Part.SURFACES)
         self._reflection = ScreenPass(self.shader, self.resident, Part.REFLECTORS)
@@ -45,52 +47,40 @@ class DeferredMethod(Method):
         """What the method draws anew for every frame, before the reflections; counted in their time."""
 
     @on_gl_thread
-    def render(self, view: View, progress: Progress = silent) -> Frame:
-        """The picture, `view.samples` squared samples a pixel; times are of one sample a pixel."""
-        _check_size(view)
-        size = (view.width, view.height)
-        visibility = Visibility(*size)
-        sums, once = (require().texture(size, 4, dtype="f4") for _ in range(2))
-        distance = require().texture(size, 1, dtype="f4")
-        picture = require().framebuffer([sums], visibility.parts)
-        probe = require().framebuffer([once, distance], visibility.parts)
-        picture.depth_mask = probe.depth_mask = False  # neither a pass nor a clear may wipe the parts
-        try:
-            progress("timing", 0.0)
-            time_ms = self._time(view, visibility, picture)
-            probe.clear(np.nan, np.nan, np.nan, np.nan)
-            self._reflect(view, visibility, probe, blend=False)
-            picture.clear()
-            side = view.samples
-            for index in range(side * side):
-                progress("rendering", index / side**2)
-                offset = ((index % side + 0.5) / side - 0.5, (index // side + 0.5) / side - 0.5)
-                self._see(view, visibility, picture, offset=offset, weight=1.0 / side**2)
-                self._reflect(view, visibility, picture, offset=offset, weight=1.0 / side**2)
-            return _frame(picture, probe, time_ms)
-        finally:
-            for part in (picture, probe, sums, once, distance, visibility):
-                part.release()
+    def update(self, scene: Scene, progress: Progress = silent) -> None:
+        """Upload what has changed; bake again unless nothing but the camera has."""
+        self.scene = scene
+        if self.resident.update(scene):
+            self._compile()
+            self.free()
+            self.bake(progress)
 
-    def _time(self, view: View, visibility: Visibility, target: moderngl.Framebuffer) -> dict[str, float]:
-        def reflect() -> None:
-            self.before_frame(view)
-            self._reflect(view, visibility, target)
+    @on_gl_thread
+    def paint(self, view: View, canvas: Canvas, progress: Progress = silent) -> dict[str, float]:
+        """See, light, reflect, once for each sample of the pixel."""
+        watch = Stopwatch()
+        for _ in range(1 if view.samples == 1 else _TIMED):
+            with watch.stage("preparation"):
+                self.before_frame(view)
+        canvas.clear()
+        for number, (offset, weight) in enumerate(samples := _samples(view.samples)):
+            progress("rendering", number / len(samples))
+            self._paint_sample(view, canvas, watch, offset, weight)
+        time_ms = watch.medians()
+        reflection = time_ms.pop("preparation") + time_ms.pop("reflection")
+        return {**time_ms, "reflection": reflection, "frame": sum(time_ms.values()) + reflection}
 
-        scene = median_ms(lambda: self._see(view, visibility, target), _TIMED_FRAMES)
-        reflection = median_ms(reflect, _TIMED_FRAMES)
-        return {"reflection": reflection, "frame": scene + reflection}
-
-    def _see(self, view, visibility, target, offset=(0.0, 0.0), weight=1.0) -> None:
-        """The scene without reflections."""
-        visibility.draw(self.resident, world_to_clip(view.camera, view.width, view.height, offset))
-        visibility.mark_parts(self.resident)
-        for drawn in (self._world, self._lit):
-            drawn.draw(view.camera, visibility, target, offset=offset, weight=weight)
-
-    def _reflect(self, view, visibility, target, **sample) -> None:
-        self.bind_reflection(self._reflection.shader, view)
-        self._reflection.draw(view.camera, visibility, target, **sample)
+    def _paint_sample(self, view: View, canvas: Canvas, watch: Stopwatch, offset, weight: float) -> None:
+        seen, target = canvas.visibility, canvas.picture if any(offset) else canvas.centre
+        with watch.stage("visibility"):
+            seen.draw(self.resident, world_to_clip(view.camera, *canvas.size, offset))
+            seen.mark_parts(self.resident)
+        with watch.stage("light"):
+            for drawn in (self._world, self._lit):
+                drawn.draw(view.camera, seen, canvas.picture, offset=offset, weight=weight)
+        with watch.stage("reflection"):
+            self.bind_reflection(self._reflection.shader, view)
+            self._reflection.draw(view.camera, seen, target, offset=offset, weight=weight)
 
     def free(self) -> None:
         """Give back what `bake` took; on the GL thread."""
@@ -102,17 +92,8 @@ class DeferredMethod(Method):
         self.resident.release()
 
 
-def _check_size(view: View) -> None:
-    limit = require().info["GL_MAX_TEXTURE_SIZE"]
-    if min(view.width, view.height) < 1:
-        raise UsageError(f"a picture of {view.width}×{view.height} pixels: give a width and height of at least 1")
-    if max(view.width, view.height) > limit:
-        raise MachineError(f"a picture of {view.width}×{view.height} pixels: this GPU draws at most {limit} a side")
-
-
-def _frame(accumulated: moderngl.Framebuffer, probe: moderngl.Framebuffer, time_ms: dict[str, float]) -> Frame:
-    width, height = accumulated.size
-    sums = np.frombuffer(accumulated.read(components=4, dtype="f4"), np.float32).reshape(height, width, 4)
-    distance = np.frombuffer(probe.read(components=1, attachment=1, dtype="f4"), np.float32).reshape(height, width)
-    distance = np.where(distance > 1e29, np.inf, distance)
-    return Frame(sums[::-1, :, :3].copy(), sums[::-1, :, 3].copy(), distance[::-1].copy(), time_ms)
+def _samples(side: int) -> list[tuple[tuple[float, float], float]]:
+    """Offsets from the pixel's centre, in pixels, and weights; the centre is always there, if with no weight."""
+    steps = [(index + 0.5) / side - 0.5 for index in range(side)]
+    samples = [((x, y), 1.0 / side**2) for y in steps for x in steps]
+    return samples if side % 2 else [((0.0, 0.0), 0.0), *samples]

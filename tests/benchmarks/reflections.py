@@ -35,7 +35,7 @@ COMPARED = ("environment-map", "environment-map-parallax", "layered-depth-publis
 DENSITIES = (1_500, 100_000, 1_000_000)
 
 
-def frame_of(scene: Scene, method: str, samples: int = 1) -> Frame:
+def frame_of(scene: Scene, method: str, samples: int = 3) -> Frame:
     """A method's picture and times."""
     drawn = METHODS[method]()
     drawn.prepare(scene, Lighting.UNLIT)

@@ -1,0 +1,61 @@
+"""What a picture is drawn on."""
+
+import moderngl
+import numpy as np
+
+from ..errors import MachineError, UsageError
+from ..gl import require
+from .visibility import Visibility
+
+_CLEARLY_FAR = 1e29
+
+
+class Canvas:
+    """The targets of a picture of `width` × `height` pixels, kept from frame to frame. Lives on the GL thread.
+
+    `color` holds radiance, its alpha the share of the pixel that shows a reflector; `distance` metres from
+    the reflector to what the pixel's centre sees in it. Passes add: `picture` takes the colour of a sample,
+    `centre` that of the sample at the pixel's centre, and its distance.
+    """
+
+    def __init__(self, width: int, height: int) -> None:
+        """Raises `UsageError` for a size that makes no sense, `MachineError` for one that the GPU does not draw."""
+        _check_size(width, height)
+        context = require()
+        self.size = (width, height)
+        self.visibility = Visibility(width, height)
+        self.color = context.texture(self.size, 4, dtype="f4")
+        self.distance = context.texture(self.size, 1, dtype="f4")
+        self.picture = context.framebuffer([self.color], self.visibility.parts)
+        self.centre = context.framebuffer([self.color, self.distance], self.visibility.parts)
+        for target in (self.picture, self.centre):
+            target.depth_mask = False  # neither a pass nor a clear may wipe the parts
+
+    def clear(self) -> None:
+        """Wipe colour and distance."""
+        self.centre.clear()
+
+    def read(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+        """Colour (H, W, 3), reflectors (H, W) and distance (H, W) as a `Frame` has them."""
+        color = self._rows(self.color)
+        distance = self._rows(self.distance)[..., 0]
+        distance = np.where(distance > _CLEARLY_FAR, np.inf, distance)
+        distance = np.where(distance > 0.0, distance, np.nan)
+        return color[..., :3].copy(), color[..., 3].copy(), distance.astype(np.float32)
+
+    def _rows(self, texture: moderngl.Texture) -> np.ndarray:
+        width, height = self.size
+        return np.frombuffer(texture.read(), np.float32).reshape(height, width, -1)[::-1]
+
+    def release(self) -> None:
+        """Give the memory back."""
+        for part in (self.picture, self.centre, self.color, self.distance, self.visibility):
+            part.release()
+
+
+def _check_size(width: int, height: int) -> None:
+    limit = require().info["GL_MAX_TEXTURE_SIZE"]
+    if min(width, height) < 1:
+        raise UsageError(f"a picture of {width}×{height} pixels: give a width and height of at least 1")
+    if max(width, height) > limit:
+        raise MachineError(f"a picture of {width}×{height} pixels: this GPU draws at most {limit} a side")
