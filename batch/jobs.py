@@ -23,6 +23,7 @@ from .results import Result, Results, Skipped, Times
 from .sources import Source
 
 _LONGEST_SIDE = 768
+_LEAST_LIGHT = 32  # samples of a texel; denoised, and seen from every pixel around
 _LIT, _JUDGED = 0.1, 0.6
 """Where on a scene's bar the light is ready, and the reference."""
 
@@ -68,8 +69,10 @@ def require_reflectors(scene: Scene) -> None:
         )
 
 
-def lit(source: Source, scene: Scene, lighting: Lighting, cache: Cache, progress: Progress = silent) -> Scene:
-    """The scene with what `lighting` needs baked into it."""
+def lit(
+    source: Source, scene: Scene, lighting: Lighting, cache: Cache, progress: Progress = silent, samples: int = 256
+) -> Scene:
+    """The scene with what `lighting` needs baked into it, as fine as suits a reference of `samples` a pixel."""
     has_lightmaps = any(instance.lightmap is not None for instance in scene.instances)
     if lighting is not Lighting.CYCLES or has_lightmaps:
         return scene
@@ -77,7 +80,8 @@ def lit(source: Source, scene: Scene, lighting: Lighting, cache: Cache, progress
         raise SceneError(f"{source.path.name} holds no lightmaps: export it with --lighting cycles")
     from ..addon.blender.lightmap import bake_lightmaps
 
-    return bake_lightmaps(source.bpy_scene, scene, cache=cache, progress=progress)
+    quality = max(_LEAST_LIGHT, samples // 8)
+    return bake_lightmaps(source.bpy_scene, scene, quality, cache=cache, progress=progress)
 
 
 class _Comparison:
@@ -134,7 +138,8 @@ class _Comparison:
             self.terminal.warn(f"{source.name}: {warning}")
         require_reflectors(scene)
         size = self.job.resolution or fitted(scene.resolution)
-        scene = lit(source, scene, self.job.lighting, self.cache, bar.step("light", 0.05, _LIT))
+        light = bar.step("light", 0.05, _LIT)
+        scene = lit(source, scene, self.job.lighting, self.cache, light, self.job.samples)
         return Shot(source.name, scene, self.job.lighting, size, self.job.out, supersampling(self.job.samples))
 
     def _judge(self, source: Source, shot: Shot, bar: Bar) -> None:
