@@ -17,6 +17,8 @@ from ..scenes import SCENES
 from . import jobs, tasks
 from .manual import print_methods
 from .options import PEERS, parse_frames, parse_names, parse_resolution, parse_settings
+from .package import package as build_package
+from .package_wheels import PLATFORMS, PYTHONS
 from .progress import Terminal, blender_on_stderr
 from .sources import locate
 
@@ -150,6 +152,29 @@ def export(
 def methods() -> int:
     """List every method with its source, parameters and limits."""
     print_methods()
+    return 0
+
+
+@app.command()
+def package(
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the zips.")] = Path("dist"),
+    platform: Annotated[
+        list[str] | None,
+        typer.Option(metavar="NAME", help=f"Again for each of several; {', '.join(PLATFORMS)} unless given."),
+    ] = None,
+    python: Annotated[
+        list[str] | None,
+        typer.Option(
+            metavar="X.Y",
+            help=f"Again for each of several; {', '.join(PYTHONS)} unless given, as Blender has them. "
+            "A distribution's own Blender may want another, which is for trying out: its wheels have no hash to check.",
+        ),
+    ] = None,
+) -> int:
+    """Build the extension for Blender, one zip a platform. Works in the source tree, with `uv` installed."""
+    with Terminal() as terminal:
+        for path in build_package(out, terminal.warn, platform or tuple(PLATFORMS), python or PYTHONS):
+            terminal.say(str(path))
     return 0
 
 
