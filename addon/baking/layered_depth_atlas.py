@@ -1,8 +1,6 @@
 """Layered depth textures as pictures: the packed atlas of Zhang et al., figure 3, one EXR file a layer."""
 
 import json
-import os
-import re
 from collections.abc import Iterable, Sequence
 from pathlib import Path
 
@@ -10,11 +8,12 @@ import numpy as np
 
 from ..cache import Cache
 from ..drawing import Resident
-from ..errors import MachineError, SceneError
+from ..errors import SceneError
 from ..gl import on_gl_thread
 from ..parameters import Value, resolve
 from ..progress import Progress, silent
 from ..scene import Lighting, Scene
+from .files import free_stem, made_folder, write_exr
 from .layered_depth import FACES, LAYERS, RESOLUTION, FaceLayers, LayeredDepth, each_bake
 
 CHANNELS = ("R", "G", "B", "Z", "ZBack", "N.X", "N.Y", "N.Z", "layers")
@@ -58,24 +57,7 @@ def write_atlas(path: Path, pixels: np.ndarray, metadata: dict[str, object]) -> 
 
     `metadata` is kept as JSON, one attribute a key. Raises `MachineError` where it cannot be written.
     """
-    import OpenImageIO as oiio  # Blender brings it; the rest of the bake does without
-
-    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], oiio.FLOAT)
-    spec.channelnames = CHANNELS
-    spec.attribute("compression", "zip")
-    for key, value in metadata.items():
-        spec.attribute(_PREFIX + key, json.dumps(value))
-    temporary = path.with_name(f".{path.stem}.{os.getpid()}.exr")
-    try:
-        output = oiio.ImageOutput.create(str(temporary))
-        done = output.open(str(temporary), spec) and output.write_image(np.ascontiguousarray(pixels, np.float32))
-        if not (done and output.close()):
-            raise MachineError(f"cannot write {path}: {output.geterror()}; free some space or choose another folder")
-        os.replace(temporary, path)
-    except OSError as error:
-        raise MachineError(f"cannot write {path}: {error.strerror}; choose another folder") from error
-    finally:
-        temporary.unlink(missing_ok=True)
+    write_exr(path, pixels, CHANNELS, {_PREFIX + key: json.dumps(value) for key, value in metadata.items()})
 
 
 def read_atlas(path: Path) -> tuple[np.ndarray, dict[str, object]]:
@@ -98,14 +80,6 @@ def read_atlas(path: Path) -> tuple[np.ndarray, dict[str, object]]:
     return pixels[..., order], {entry.name.removeprefix(_PREFIX): json.loads(entry.value) for entry in mine}
 
 
-def _made(directory: Path) -> Path:
-    try:
-        Path(directory).mkdir(parents=True, exist_ok=True)
-    except OSError as error:
-        raise MachineError(f"cannot make the folder {directory}: {error.strerror}; choose another one") from error
-    return Path(directory)
-
-
 def _export_each(
     bakes: Iterable[tuple[Sequence[int], LayeredDepth]], scene: Scene, directory: Path, progress: Progress
 ) -> list[Path]:
@@ -113,23 +87,12 @@ def _export_each(
     written: list[Path] = []
     stems: set[str] = set()
     for instances, bake in bakes:
-        stem = _free_stem(scene.instances[instances[0]].name, stems)
+        stem = free_stem(scene.instances[instances[0]].name, stems)
         for layer in range(max(1, bake.layers)):
             progress(f"writing {stem}", (instances[0] + layer / max(1, bake.layers)) / len(scene.instances))
             written.append(directory / f"{stem}_layer-{layer + 1}.exr")
             write_atlas(written[-1], atlas(bake, layer), _metadata(bake, layer, scene, instances))
     return written
-
-
-def _free_stem(name: str, taken: set[str]) -> str:
-    """A file name for an object: only what every file system takes, and none twice."""
-    plain = re.sub(r"[^\w.-]+", "-", name).strip("-.") or "object"
-    stem, number = plain, 1
-    while stem.lower() in taken:
-        number += 1
-        stem = f"{plain}-{number}"
-    taken.add(stem.lower())
-    return stem
 
 
 def _metadata(bake: LayeredDepth, layer: int, scene: Scene, instances: Sequence[int]) -> dict[str, object]:
@@ -165,7 +128,7 @@ def bake_scene(
     `settings` may hold RESOLUTION and LAYERS. Raises a `CatoptricError` with one line that says what to do.
     """
     chosen = resolve((RESOLUTION, LAYERS), settings or {})
-    directory = _made(directory)
+    directory = made_folder(directory)
     resident = Resident(scene, lighting)
     try:
         return _export_each(each_bake(resident, chosen, cache, progress), scene, directory, progress)

@@ -1,0 +1,72 @@
+"""Files that bakes are written to: whole or not at all, under names that every system takes."""
+
+import os
+import re
+from collections.abc import Iterator, Mapping, Sequence
+from contextlib import contextmanager
+from pathlib import Path
+
+import numpy as np
+
+from ..errors import MachineError
+
+
+def made_folder(path: Path) -> Path:
+    """The folder `path`, made if need be; raises `MachineError` where that cannot be."""
+    try:
+        Path(path).mkdir(parents=True, exist_ok=True)
+    except OSError as error:
+        raise MachineError(f"cannot make the folder {path}: {error.strerror}; choose another one") from error
+    return Path(path)
+
+
+def free_stem(name: str, taken: set[str]) -> str:
+    """A file name for an object: only what every file system takes, and none twice."""
+    plain = re.sub(r"[^\w.-]+", "-", name).strip("-.") or "object"
+    stem, number = plain, 1
+    while stem.lower() in taken:
+        number += 1
+        stem = f"{plain}-{number}"
+    taken.add(stem.lower())
+    return stem
+
+
+@contextmanager
+def whole(path: Path) -> Iterator[Path]:
+    """A file beside `path` to write to, of the same ending; it becomes `path` once it is finished.
+
+    Raises `MachineError` where the folder does not allow it.
+    """
+    temporary = path.with_name(f".{path.stem}.{os.getpid()}{path.suffix}")
+    try:
+        yield temporary
+        os.replace(temporary, path)
+    except OSError as error:
+        raise MachineError(f"cannot write {path}: {error.strerror}; choose another folder") from error
+    finally:
+        temporary.unlink(missing_ok=True)
+
+
+def write_exr(
+    path: Path,
+    pixels: np.ndarray,
+    channels: Sequence[str],
+    attributes: Mapping[str, str] | None = None,
+    half: bool = False,
+) -> None:
+    """Write `pixels` (H, W, channels) float32, row 0 the top, as EXR of 32 bits a channel, or 16 if `half`.
+
+    It appears whole or not at all. Raises `MachineError` where it cannot be written.
+    """
+    import OpenImageIO as oiio  # Blender brings it; the rest of the bake does without
+
+    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], oiio.HALF if half else oiio.FLOAT)
+    spec.channelnames = tuple(channels)
+    spec.attribute("compression", "zip")
+    for key, value in (attributes or {}).items():
+        spec.attribute(key, value)
+    with whole(path) as temporary:
+        output = oiio.ImageOutput.create(str(temporary))
+        done = output.open(str(temporary), spec) and output.write_image(np.ascontiguousarray(pixels, np.float32))
+        if not (done and output.close()):
+            raise MachineError(f"cannot write {path}: {output.geterror()}; free some space or choose another folder")
