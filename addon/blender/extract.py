@@ -9,6 +9,7 @@ from ..progress import Progress, silent
 from ..scene import Camera, Instance, Lamp, Mesh, Scene
 from .extract_camera import check_camera, read_camera, read_lamp
 from .extract_evaluate import with_render_depsgraph
+from .extract_memo import Memo
 from .extract_mesh import Empty, Surfacing, read_mesh
 from .images import ImageReader
 from .materials import MaterialReader, Slot
@@ -30,19 +31,23 @@ def extract(
     depsgraph: bpy.types.Depsgraph | None = None,
     frame: int | None = None,
     progress: Progress = silent,
+    camera: Camera | None = None,
+    memo: Memo | None = None,
 ) -> Scene:
     """Everything that a method needs of `context_scene`, at `frame` (default: its current one).
 
     Without `depsgraph` the scene is evaluated as for a final render; a viewport passes its own, and gets
-    what it shows. What cannot be carried over is named in `Scene.warnings`. Raises `SceneError` without
-    a usable camera. The .blend is left as it was.
+    what it shows; its own `camera`, which stands for the scene's; and the `memo` of the reading before.
+    What cannot be carried over is named in `Scene.warnings`. Raises `SceneError` without a usable camera.
+    The .blend is left as it was.
     """
-    check_camera(context_scene)
+    if camera is None:
+        check_camera(context_scene)
     frame_before = context_scene.frame_current, context_scene.frame_subframe
     try:
         if frame is not None and frame != frame_before[0]:
             context_scene.frame_set(frame)
-        reading = _Reading(context_scene, progress)
+        reading = _Reading(context_scene, progress, camera, memo or Memo())
         if depsgraph is not None:
             reading.read(depsgraph)
         else:
@@ -56,15 +61,14 @@ def extract(
 class _Reading:
     """One extraction under way."""
 
-    def __init__(self, scene: bpy.types.Scene, progress: Progress) -> None:
-        self.scene, self.progress = scene, progress
+    def __init__(self, scene: bpy.types.Scene, progress: Progress, camera: Camera | None, memo: Memo) -> None:
+        self.scene, self.progress, self.camera, self.memo = scene, progress, camera, memo
         self.notes = Notes()
-        self.images = ImageReader(self.notes)
+        self.images = ImageReader(self.notes, memo.images)
         self.materials = MaterialReader(self.images, self.notes)
         self.meshes: list[Mesh] = []
         self.instances: list[Instance] = []
         self.lamps: list[Lamp] = []
-        self.camera: Camera | None = None
         self._known: dict[tuple, int | Empty] = {}
         self._used_slots: list[list[int]] = []  # of each mesh
         self._names = Names()
@@ -72,7 +76,8 @@ class _Reading:
 
     def read(self, depsgraph: bpy.types.Depsgraph) -> None:
         """Take in the camera, and every visible mesh and lamp."""
-        self.camera = read_camera(self.scene, depsgraph, self.notes)
+        if self.camera is None:
+            self.camera = read_camera(self.scene, depsgraph, self.notes)
         self._override = depsgraph.view_layer_eval.material_override
         total = max(len(depsgraph.object_instances), 1)
         for number, placed in enumerate(depsgraph.object_instances):
@@ -92,13 +97,14 @@ class _Reading:
             elif holder.type in _LEFT_OUT:
                 self.notes.add(_object(holder), f"{_LEFT_OUT[holder.type]} cannot be drawn; it is left out")
             self._warn_of_hair(holder)
+        self.memo.keep_used()
 
     def finish(self) -> Scene:
         """The Scene; the world is read now, since Blender renders one thing at a time."""
         self.progress("reading the world", 0.9)
         scene, render = self.scene, self.scene.render
         self._warn_of_color_space()
-        world = read_world(scene.world, scene.frame_current, self.notes)
+        self.memo.world = self.memo.world or read_world(scene.world, scene.frame_current, self.notes)
         percentage = render.resolution_percentage / 100.0
         self.progress("reading the scene", 1.0)
         return Scene(
@@ -109,7 +115,7 @@ class _Reading:
             materials=tuple(self.materials.materials),
             images=tuple(self.images.images),
             lamps=tuple(self.lamps),
-            world=world,
+            world=self.memo.world,
             frame=scene.frame_current,
             resolution=(
                 max(int(render.resolution_x * percentage), 1),
@@ -161,13 +167,20 @@ class _Reading:
         surfacings = tuple(Surfacing(object_space(slot.lookup, matrix, evaluated), slot.attribute) for slot in slots)
         key = (holder.data.as_pointer(), surfacings)
         if key not in self._known:
-            try:
-                self.meshes.append(read_mesh(holder.data, surfacings))
-                self._used_slots.append(np.unique(self.meshes[-1].slots).tolist())
-                self._known[key] = len(self.meshes) - 1
-            except Empty as reason:
-                self._known[key] = reason
+            mesh = self.memo.mesh(key, holder) or self._read_mesh(key, holder, surfacings)
+            self._known[key] = mesh
+            if isinstance(mesh, Mesh):
+                self._known[key] = len(self.meshes)
+                self.meshes.append(mesh)
+                self._used_slots.append(np.unique(mesh.slots).tolist())
         return self._known[key]
+
+    def _read_mesh(self, key: tuple, holder: bpy.types.Object, surfacings: tuple[Surfacing, ...]) -> Mesh | Empty:
+        try:
+            self.memo.meshes[key] = read_mesh(holder.data, surfacings)
+        except Empty as reason:
+            self.memo.meshes[key] = reason
+        return self.memo.meshes[key]
 
     def _reflects(self, holder: bpy.types.Object, wanted: bool | None, used: list[Slot]) -> bool:
         """Whether a mirror image is to be drawn: as the artist says, else if a material in use is a clear mirror."""

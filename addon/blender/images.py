@@ -15,9 +15,11 @@ _DATA_SPACES = {"Non-Color", "Raw", "Linear Rec.709", "Linear", "Generic Data", 
 class ImageReader:
     """Reads each image once. `images` are the results, in the order of their indices."""
 
-    def __init__(self, notes: Notes) -> None:
+    def __init__(self, notes: Notes, known: "dict[tuple[str, bool], Image] | None" = None) -> None:
+        """`known` images are taken as they are, and it takes up those that are read."""
         self.images: list[Image] = []
         self._notes = notes
+        self._known = {} if known is None else known
         self._indices: dict[tuple[str, bool], int] = {}
 
     def index(self, image: bpy.types.Image | None, alpha_used: bool) -> int:
@@ -25,7 +27,9 @@ class ImageReader:
         key = (image.name_full if image else "", alpha_used)
         if key not in self._indices:
             self._indices[key] = len(self.images)
-            self.images.append(read(image, alpha_used, self._notes))
+            if key not in self._known:
+                self._known[key] = read(image, alpha_used, self._notes)
+            self.images.append(self._known[key])
         return self._indices[key]
 
     def average(self, index: int) -> np.ndarray:
