@@ -33,6 +33,32 @@ class Camera:
     far: float = 1000.0
     pixel_aspect: float = 1.0
 
+    @classmethod
+    def of_matrices(cls, view: np.ndarray, projection: np.ndarray, width: int, height: int) -> "Camera":
+        """The camera of a `width` × `height` viewport, from the matrices that OpenGL draws it with.
+
+        `view` (4, 4) world to camera, `projection` (4, 4) as of `projection`.
+        """
+        p = np.asarray(projection, np.float64)
+        across, up = 2.0 / p[0, 0], 2.0 / p[1, 1]
+        if is_ortho := p[3, 3] == 1.0:
+            centre = -p[:2, 3] * (across, up) / 2.0
+            near, far = (p[2, 3] + 1.0) / p[2, 2], (p[2, 3] - 1.0) / p[2, 2]
+        else:
+            centre = p[:2, 2] * (across, up) / 2.0
+            near, far = p[2, 3] / (p[2, 2] - 1.0), p[2, 3] / (p[2, 2] + 1.0)
+        return cls(
+            np.linalg.inv(np.asarray(view, np.float64)),
+            lens=1.0 / across,
+            sensor=(1.0, 1.0),
+            sensor_fit=SensorFit.HORIZONTAL,
+            shift=(centre[0] / across, centre[1] / across),
+            ortho_scale=across if is_ortho else None,
+            near=near,
+            far=far,
+            pixel_aspect=up / across * width / height,
+        )
+
     @property
     def position(self) -> np.ndarray:
         """(3,) float64 world position."""
