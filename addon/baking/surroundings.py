@@ -1,0 +1,17 @@
+"""What stands around a reflector, and is no nearby object to search."""
+
+import numpy as np
+
+from ..drawing import world_box
+from ..scene import Scene
+
+
+def surroundings(scene: Scene) -> frozenset[int]:
+    """Instances whose box holds a whole reflector: rooms and skies."""
+    boxes = np.array([world_box(instance, scene.meshes[instance.mesh]) for instance in scene.instances])
+    around = set()
+    for reflector in scene.reflectors:
+        low, high = boxes[reflector]
+        holds = (boxes[:, 0] <= low).all(axis=1) & (boxes[:, 1] >= high).all(axis=1)
+        around |= set(np.flatnonzero(holds).tolist()) - {reflector}
+    return frozenset(around)
