@@ -7,7 +7,7 @@ into it, or takes the thread away. On a thread of its own ours and Blender's nev
 import sys
 import threading
 from collections.abc import Callable
-from concurrent.futures import ThreadPoolExecutor
+from concurrent.futures import Future, ThreadPoolExecutor
 from functools import wraps
 from typing import ParamSpec, TypeVar
 
@@ -28,6 +28,11 @@ def call(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
     if getattr(_local, "is_gl", False):
         return function(*args, **kwargs)
     return _worker.submit(_enter, function, args, kwargs).result()
+
+
+def submit(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> "Future[R]":
+    """Have the GL thread run `function(*args)` when it comes to it, and do not wait."""
+    return _worker.submit(_enter, function, args, kwargs)
 
 
 def on_gl_thread(function: Callable[P, R]) -> Callable[P, R]:
