@@ -8,6 +8,7 @@ from typing import Annotated
 import typer
 from typer.exceptions import TyperException
 
+from ..addon.baking.engine_export import CUBE_SIZE, PARAMETERS
 from ..addon.baking.layered_depth import LAYERS, RESOLUTION
 from ..addon.errors import Cancelled, CatoptricError
 from ..addon.methods.registry import METHODS
@@ -145,6 +146,24 @@ def export(
     """Write a scene as one file, for a machine without Blender."""
     with Terminal() as terminal:
         tasks.export(locate(scene), lighting, out, terminal, frame)
+    return 0
+
+
+@app.command()
+def export_engine(
+    scene: SceneName,
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for textures, catoptric.json and catoptric.glsl.")],
+    objects: Annotated[str | None, typer.Option(metavar="A,B", help="Objects; all of them unless given.")] = None,
+    lighting: Light = Lighting.UNLIT,
+    frame: Frame = None,
+    resolution: Annotated[int, typer.Option(help=RESOLUTION.help + ".")] = RESOLUTION.default,
+    layers: Annotated[int, typer.Option(help=LAYERS.help + ".")] = LAYERS.default,
+    cube_size: Annotated[int, typer.Option(help=CUBE_SIZE.help + ".")] = CUBE_SIZE.default,
+) -> int:
+    """Write a scene's bakes as a game engine takes them, with the GLSL that samples them."""
+    settings = resolve(PARAMETERS, {"resolution": resolution, "layers": layers, "cube_size": cube_size})
+    with Terminal() as terminal:
+        tasks.export_engine(locate(scene), objects, lighting, settings, out, terminal, frame)
     return 0
 
 

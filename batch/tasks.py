@@ -1,8 +1,9 @@
-"""`render`, `bake` and `export`: one scene down the corridor, as far as asked."""
+"""`render`, `bake`, `export` and `export-engine`: one scene down the corridor, as far as asked."""
 
 from collections.abc import Mapping
 from pathlib import Path
 
+from ..addon.baking.engine_export import export_for_engine
 from ..addon.baking.layered_depth_atlas import bake_scene
 from ..addon.baking.regions import Removed, region_view
 from ..addon.cache import Cache
@@ -16,6 +17,7 @@ from ..addon.scene import Lighting, Scene
 from ..addon.scene.archive import EXTENSION, save
 from .jobs import lit, require_reflectors
 from .machine import check_size
+from .options import parse_names
 from .pictures import save_exr, save_png
 from .progress import Bar, Terminal
 from .sources import Source
@@ -97,6 +99,30 @@ def export(source: Source, lighting: Lighting, out: Path, terminal: Terminal, fr
     save(scene, out)
     bar.finish()
     terminal.say(str(out))
+
+
+def export_engine(
+    source: Source,
+    objects: str | None,
+    lighting: Lighting,
+    settings: Mapping[str, Value],
+    out: Path,
+    terminal: Terminal,
+    frame: int | None = None,
+) -> None:
+    """Write the bakes of `objects` (names with commas between, None for all) to the folder `out`, for an engine.
+
+    `settings` holds the parameters of `export_for_engine`.
+    """
+    bar = terminal.bar(source.name)
+    scene = _scene(source, lighting, frame, terminal, bar)
+    names = None if objects is None else parse_names(objects, (one.name for one in scene.instances), "--objects")
+    exported = export_for_engine(scene, lighting, names, out, dict(settings), Cache(), bar.step("export", 0.6, 1.0))
+    bar.finish()
+    for note in exported.notes:
+        terminal.warn(note)
+    for path in exported.written:
+        terminal.say(str(path))
 
 
 def _scene(source: Source, lighting: Lighting, frame: int | None, terminal: Terminal, bar: Bar) -> Scene:
