@@ -1,6 +1,5 @@
 """What a picture is drawn on."""
 
-import moderngl
 import numpy as np
 
 from ..errors import MachineError, UsageError
@@ -35,17 +34,18 @@ class Canvas:
         """Wipe colour and distance."""
         self.centre.clear()
 
+    def pixels(self) -> tuple[np.ndarray, np.ndarray]:
+        """`color` (H, W, 4) and `distance` (H, W) as they are: row 0 at the bottom, 0 off the reflectors."""
+        width, height = self.size
+        color = np.frombuffer(self.color.read(), np.float32).reshape(height, width, 4)
+        return color, np.frombuffer(self.distance.read(), np.float32).reshape(height, width)
+
     def read(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Colour (H, W, 3), reflectors (H, W) and distance (H, W) as a `Frame` has them."""
-        color = self._rows(self.color)
-        distance = self._rows(self.distance)[..., 0]
+        color, distance = (rows[::-1] for rows in self.pixels())
         distance = np.where(distance > _CLEARLY_FAR, np.inf, distance)
         distance = np.where(distance > 0.0, distance, np.nan)
         return color[..., :3].copy(), color[..., 3].copy(), distance.astype(np.float32)
-
-    def _rows(self, texture: moderngl.Texture) -> np.ndarray:
-        width, height = self.size
-        return np.frombuffer(texture.read(), np.float32).reshape(height, width, -1)[::-1]
 
     def release(self) -> None:
         """Give the memory back."""

@@ -1,0 +1,191 @@
+"""A scene that is drawn again and again for those who look at it, while nobody waits."""
+
+import logging
+from collections.abc import Callable, Hashable, Mapping
+from dataclasses import dataclass
+from threading import Lock
+
+import numpy as np
+
+from ..drawing import Canvas
+from ..errors import Cancelled, CatoptricError
+from ..gl import call, submit
+from ..parameters import Value
+from ..scene import Lighting, Scene
+from .contract import Method, View
+from .registry import named
+
+_log = logging.getLogger(__name__)
+
+
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """What a viewer sees: `pixels` (H, W, 4) float32, row 0 at the bottom, scene-linear, the reflectors'
+    share in alpha; `distance` (H, W) float32 as of a `Frame`, but 0 off the reflectors; of `view` and of the
+    `act`-th scene shown; `time_ms` by stage.
+    """
+
+    pixels: np.ndarray
+    distance: np.ndarray
+    view: View
+    act: int
+    time_ms: dict[str, float]
+
+
+@dataclass(frozen=True, eq=False)
+class Act:
+    """What is on stage: a scene under a light, drawn by a method."""
+
+    scene: Scene
+    lighting: Lighting
+    method: str
+    settings: Mapping[str, Value]
+
+
+class Studio:
+    """Draws the newest scene for any number of viewers, on the GL thread.
+
+    Every call returns at once. A wish that is overtaken by a newer one is dropped, or stopped between two
+    samples. `notify` is called, on the GL thread, whenever there is something new to look at.
+    """
+
+    def __init__(self, notify: Callable[[], None]) -> None:
+        """Begin with an empty stage."""
+        self.problem = ""
+        self.stage, self.fraction = "", 1.0
+        self._notify = notify
+        self._lock = Lock()
+        self._wanted: Act | None = None
+        self._shown: Act | None = None
+        self._asked = self._on_stage = 0
+        self._views: dict[Hashable, View] = {}
+        self._pictures: dict[Hashable, Picture] = {}
+        self._canvases: dict[Hashable, Canvas] = {}
+        self._method: Method | None = None
+        self._working = self._closed = False
+
+    @property
+    def busy(self) -> bool:
+        """Whether there is anything left to draw."""
+        return self._working
+
+    def show(self, act: Act) -> int:
+        """Draw this from now on; the number that its pictures will have."""
+        with self._lock:
+            self._wanted = act
+            self._asked += 1
+        self._go_on()
+        return self._asked
+
+    def look(self, viewer: Hashable, view: View) -> None:
+        """Have `viewer`'s picture drawn as soon as may be."""
+        with self._lock:
+            self._views[viewer] = view
+        self._go_on()
+
+    def picture(self, viewer: Hashable) -> Picture | None:
+        """The newest one of `viewer`, which may be of an older view."""
+        return self._pictures.get(viewer)
+
+    def leave(self, viewer: Hashable) -> None:
+        """Draw no more for `viewer`."""
+        with self._lock:
+            self._views.pop(viewer, None)
+            self._pictures.pop(viewer, None)
+        submit(self._drop_canvas, viewer)
+
+    def close(self) -> None:
+        """Stop, and give everything back; waits for the sample under way."""
+        with self._lock:
+            self._closed = True
+            self._wanted = None
+            self._views.clear()
+        call(self._release)
+
+    def _go_on(self) -> None:
+        with self._lock:
+            if self._working or self._closed:
+                return
+            self._working = True
+        submit(self._work)
+
+    def _work(self) -> None:
+        """One step: what is on stage comes first, then one viewer's picture."""
+        try:
+            self._step()
+        except Cancelled:
+            pass
+        except CatoptricError as problem:
+            self.problem = str(problem)
+        except Exception as defect:  # nobody waits for this thread: what it raised would be lost
+            self.problem = f"{type(defect).__name__}: {defect}"
+            _log.exception("the studio failed")
+        finally:
+            with self._lock:
+                drawable = bool(self._views) and self._method is not None
+                self._working = more = not self._closed and (self._wanted is not None or drawable)
+            if more:
+                submit(self._work)
+            self._notify()
+
+    def _step(self) -> None:
+        viewer = view = None
+        with self._lock:
+            act, self._wanted, number = self._wanted, None, self._asked
+            if act is None and self._views and self._method:
+                viewer, view = self._views.popitem()
+        if act:
+            self._set(act)
+            self._on_stage = number
+        elif view:
+            self._draw(viewer, view)
+
+    def _set(self, act: Act) -> None:
+        """Put `act` on stage: by an update, if it is drawn as before."""
+        before, self._shown = self._shown, None
+        if before and self._method and _drawn_alike(before, act):
+            self._method.update(act.scene, self._report)
+        else:
+            method = named(act.method)(act.settings)
+            method.prepare(act.scene, act.lighting, self._report)
+            if self._method:
+                self._method.release()
+            self._method = method
+        self._shown, self.problem = act, ""
+        self.stage, self.fraction = "", 1.0
+
+    def _report(self, stage: str, fraction: float) -> None:
+        """Progress of a bake: shown to whoever looks; stopped when the studio closes."""
+        if self._closed:
+            raise Cancelled
+        self.stage, self.fraction = stage, fraction
+        self._notify()
+
+    def _draw(self, viewer: Hashable, view: View) -> None:
+        canvas = self._canvases.get(viewer)
+        if canvas is None or canvas.size != (view.width, view.height):
+            self._drop_canvas(viewer)
+            canvas = self._canvases[viewer] = Canvas(view.width, view.height)
+
+        def overtaken(stage: str, fraction: float) -> None:
+            if self._closed or (fraction > 0.0 and (viewer in self._views or self._wanted is not None)):
+                raise Cancelled
+
+        time_ms = self._method.paint(view, canvas, overtaken)
+        pixels, distance = canvas.pixels()
+        self._pictures[viewer] = Picture(pixels, distance, view, self._on_stage, time_ms)
+
+    def _drop_canvas(self, viewer: Hashable) -> None:
+        if viewer in self._canvases:
+            self._canvases.pop(viewer).release()
+
+    def _release(self) -> None:
+        for viewer in list(self._canvases):
+            self._drop_canvas(viewer)
+        if self._method:
+            self._method.release()
+        self._method = None
+
+
+def _drawn_alike(one: Act, other: Act) -> bool:
+    return (one.lighting, one.method, dict(one.settings)) == (other.lighting, other.method, dict(other.settings))
