@@ -1,8 +1,19 @@
 """The one OpenGL context: its thread, programs, data textures and timers."""
 
-from .context import call, on_gl_thread, require, submit
+from .context import adopt, call, on_gl_thread, require, submit
 from .programs import program, screen
 from .textures import DataTexture
 from .timers import Stopwatch, is_software
 
-__all__ = ["DataTexture", "Stopwatch", "call", "is_software", "on_gl_thread", "program", "require", "screen", "submit"]
+__all__ = [
+    "DataTexture",
+    "Stopwatch",
+    "adopt",
+    "call",
+    "is_software",
+    "on_gl_thread",
+    "program",
+    "require",
+    "screen",
+    "submit",
+]

@@ -2,6 +2,8 @@
 
 Blender's context is current on the main thread; a standalone context made there silently draws
 into it, or takes the thread away. On a thread of its own ours and Blender's never meet.
+
+A program with a window of its own, and no Blender in it, has a context already: `adopt` makes that the one.
 """
 
 import sys
@@ -21,13 +23,16 @@ R = TypeVar("R")
 _GL_VERSION = 410
 _worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="catoptric-gl")
 _local = threading.local()
+_choosing = threading.Lock()
+_is_owned = False
+"""Whether the process has its context."""
 
 
 def call(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> R:
     """`function(*args)`, run on the GL thread; waits for its result and passes on what it raises."""
     if getattr(_local, "is_gl", False):
         return function(*args, **kwargs)
-    return _worker.submit(_enter, function, args, kwargs).result()
+    return submit(function, *args, **kwargs).result()
 
 
 def submit(function: Callable[P, R], *args: P.args, **kwargs: P.kwargs) -> "Future[R]":
@@ -53,8 +58,31 @@ def require() -> moderngl.Context:
     if not getattr(_local, "is_gl", False):
         raise RuntimeError("GL was touched outside its thread; use gl.call or gl.on_gl_thread")
     if getattr(_local, "context", None) is None:
-        _local.context = _create()
+        _own(_create)
     return _local.context
+
+
+def adopt(context: moderngl.Context) -> None:
+    """Make `context`, which is current on this thread, the one context of the process, and this the GL thread.
+
+    For a window's own context, so that what is drawn is shown without being read back. What other threads hand
+    over to GL then fails. Raises `RuntimeError` where the process has a context already, `MachineError` for one
+    that does not offer OpenGL 4.1.
+    """
+    if context.version_code < _GL_VERSION:
+        raise MachineError(_advice([f"the window has {context.info['GL_VERSION']}"]))
+    _own(lambda: context)
+    _local.is_gl = True
+
+
+def _own(make: Callable[[], moderngl.Context]) -> None:
+    """Take what `make` returns as the context, on this thread."""
+    global _is_owned
+    with _choosing:
+        if _is_owned:
+            raise RuntimeError("this process has its GL context already, on another thread or from a window")
+        _local.context = make()
+        _is_owned = True
 
 
 def _enter(function, args, kwargs):
