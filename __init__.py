@@ -15,5 +15,7 @@ def register() -> None:
 def unregister() -> None:
     """Remove everything that `register` added."""
     from .addon import interface
+    from .addon.blender.bytecode import remove_bytecode
 
     interface.unregister()
+    remove_bytecode()

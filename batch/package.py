@@ -16,6 +16,9 @@ from .package_wheels import PLATFORMS, PYTHONS, fetch, requirements
 ROOT = Path(__file__).resolve().parents[1]
 MANIFEST = "blender_manifest.toml"
 
+SHIPPED = ("__init__.py", "LICENSE", "README.md", "addon", "gpu_shaders")
+"""Files and folders of the source tree that Blender needs, beside the manifest and wheels."""
+
 
 def package(
     out: Path,
@@ -26,10 +29,9 @@ def package(
 ) -> list[Path]:
     """Write `catoptric-VERSION-PLATFORM.zip` into `out` for each of `platforms`; returns their paths.
 
-    Each holds what the manifest's `[build]` keeps of the source tree at `root`, and the wheels of
-    `fetch` for every one of `pythons`. Raises `UsageError` for a platform or Python that cannot be,
-    `MachineError` for wheels that cannot be had, a tree that is not the source, or a folder that
-    cannot be written.
+    Each holds `SHIPPED` of the source tree at `root`, and the wheels of `fetch` for every one of
+    `pythons`. Raises `UsageError` for a platform or Python that cannot be, `MachineError` for
+    wheels that cannot be had, a tree that is not the source, or a folder that cannot be written.
     """
     _check(platforms, pythons)
     try:
@@ -79,7 +81,7 @@ def _build(root: Path, manifest: str, wheels: Sequence[Path], target: Path) -> N
             (stage / "wheels").mkdir()
             for wheel in wheels:
                 shutil.copy(wheel, stage / "wheels")
-            for name in kept(manifest):
+            for name in SHIPPED:
                 copy = shutil.copytree if (root / name).is_dir() else shutil.copy
                 copy(root / name, stage / name)
             with tempfile.TemporaryDirectory(dir=target.parent, suffix=".part") as beside:
@@ -89,12 +91,6 @@ def _build(root: Path, manifest: str, wheels: Sequence[Path], target: Path) -> N
                 built.replace(target)
     except OSError as error:
         raise MachineError(f"cannot write {target}: {error.strerror or error}") from error
-
-
-def kept(manifest: str) -> list[str]:
-    """The files and folders of the root that a manifest's `[build]` keeps: its patterns `!/NAME`."""
-    patterns = tomllib.loads(manifest)["build"]["paths_exclude_pattern"]
-    return [pattern.removeprefix("!").strip("/") for pattern in patterns if pattern.startswith("!")]
 
 
 def _blender_ext(*arguments: str | Path) -> None:

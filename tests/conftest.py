@@ -1,6 +1,10 @@
 """What every test shares."""
 
 import os
+import subprocess
+import sys
+from collections.abc import Callable
+from importlib.util import find_spec
 from pathlib import Path
 
 import pytest
@@ -43,3 +47,16 @@ def shared() -> Path:
     if not folder.is_dir():
         pytest.skip("no ../shared here")
     return folder
+
+
+@pytest.fixture(scope="session")
+def blender_ext() -> Callable[..., subprocess.CompletedProcess]:
+    """Run Blender's command-line tool for extensions, from the bpy wheel."""
+    (tool,) = Path(find_spec("bpy").origin).parent.glob("*/scripts/addons_core/bl_pkg/cli/blender_ext.py")
+
+    def run(*arguments: str | Path) -> subprocess.CompletedProcess:
+        # `--valid-tags=` says that there is no list of tags to ask the network for.
+        command = [sys.executable, tool, *arguments, "--valid-tags="]
+        return subprocess.run(command, capture_output=True, text=True, timeout=120)
+
+    return run
