@@ -1,9 +1,17 @@
-"""What Blender shows of the add-on. There is no panel and no viewport engine yet: the command line is the one door."""
+"""What Blender shows of the add-on: a render engine, settings, a panel and the buttons in it."""
+
+from . import engine, hud, operators, panel, properties, stages
+
+_PARTS = (properties, stages, engine, hud, operators, panel)
 
 
 def register() -> None:
-    """Add the interface's classes to Blender; there are none yet."""
+    """Add the interface to Blender."""
+    for part in _PARTS:
+        part.register()
 
 
 def unregister() -> None:
-    """Take away what `register` added."""
+    """Take away what `register` added, and stop all work."""
+    for part in reversed(_PARTS):
+        part.unregister()

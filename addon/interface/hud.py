@@ -1,0 +1,57 @@
+"""Words in a viewport's corner: what each stage of a frame costs, how far a bake is, what went wrong."""
+
+import blf
+import bpy
+
+from . import stages
+
+_SIZE = 12
+_handle = None
+
+
+def lines(stage: stages.Stage, viewer: object, show_times: bool) -> list[str]:
+    """What there is to tell, from the bottom up."""
+    studio = stage.studio
+    told = [text for text in (stage.problem, studio.problem) if text]
+    if studio.stage and studio.busy:
+        told.append(f"{studio.stage}: {studio.fraction:.0%}")
+    picture = studio.picture(viewer) if viewer else None
+    if picture and show_times:
+        told += [f"{name} {time:.1f} ms" for name, time in reversed(picture.time_ms.items())]
+    return told
+
+
+def _draw() -> None:
+    context = bpy.context
+    scene, shading = context.scene, context.space_data.shading
+    if scene.render.engine != stages.ENGINE or shading.type != "RENDERED":
+        return
+    stage = stages.known(scene, context.view_layer)
+    if stage is None:
+        return
+    viewer = stage.viewers.get(context.region.as_pointer())
+    left, bottom = 12, 12
+    blf.size(0, _SIZE * context.preferences.system.ui_scale)
+    blf.color(0, 1.0, 1.0, 1.0, 0.9)
+    blf.enable(0, blf.SHADOW)
+    blf.shadow(0, 3, 0.0, 0.0, 0.0, 0.8)
+    step = 1.5 * _SIZE * context.preferences.system.ui_scale
+    for number, line in enumerate(lines(stage, viewer, scene.catoptric.show_times)):
+        blf.position(0, left, bottom + number * step, 0)
+        blf.draw(0, line)
+    blf.disable(0, blf.SHADOW)
+
+
+def register() -> None:
+    """Draw over every 3D viewport."""
+    global _handle
+    if not bpy.app.background:
+        _handle = bpy.types.SpaceView3D.draw_handler_add(_draw, (), "WINDOW", "POST_PIXEL")
+
+
+def unregister() -> None:
+    """Draw no more."""
+    global _handle
+    if _handle is not None:
+        bpy.types.SpaceView3D.draw_handler_remove(_handle, "WINDOW")
+        _handle = None

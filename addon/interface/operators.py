@@ -1,0 +1,9 @@
+"""The buttons."""
+
+
+def register() -> None:
+    """None yet."""
+
+
+def unregister() -> None:
+    """None yet."""

@@ -1,0 +1,128 @@
+"""Settings that the .blend keeps, those of methods made from the methods' own declarations."""
+
+from collections.abc import Mapping
+
+import bpy
+
+from ..methods.contract import Method
+from ..methods.registry import METHODS
+from ..parameters import Parameter, Value
+from ..scene import Lighting
+from . import stages
+
+DEFAULT_METHOD = "layered-depth"
+
+LIGHTINGS = (
+    (Lighting.UNLIT.value, "Unlit", "Colours alone: tests the geometry of the reflection", 0),
+    (Lighting.DIRECT.value, "Direct", "Lamps with shadows, in the shader: a preview at once", 1),
+    (Lighting.CYCLES.value, "Lightmaps", "Diffuse light baked by Cycles, as games do", 2),
+)
+OVERLAYS = (
+    ("NONE", "Picture", "The picture itself", 0),
+    ("REFLECTORS", "Reflectors", "Where a reflector shows, in green", 1),
+    ("DISTANCE", "Hit distance", "How far away is what a mirror shows: near is bright, the world is blue", 2),
+)
+QUALITIES = ((1, "1"), (2, "4"), (4, "16"), (6, "36"))
+
+
+def identifier(method: str) -> str:
+    """A method's name as that of a property."""
+    return method.replace("-", "_")
+
+
+def _redraw(owner: bpy.types.PropertyGroup, context: bpy.types.Context) -> None:
+    """Custom properties tell no depsgraph that they have changed."""
+    stages.touch()
+
+
+def property_of(parameter: Parameter):
+    """The Blender property of one declared parameter."""
+    common = {"name": parameter.label, "description": parameter.help, "update": _redraw}
+    if isinstance(parameter.default, bool):
+        return bpy.props.BoolProperty(default=parameter.default, **common)
+    if parameter.choices:
+        items = [(choice, choice, "", number) for number, choice in enumerate(parameter.choices)]
+        return bpy.props.EnumProperty(items=items, default=parameter.default, **common)
+    if isinstance(parameter.default, str):
+        return bpy.props.StringProperty(default=parameter.default, **common)
+    bounds = {"min": parameter.minimum, "max": parameter.maximum}
+    bounds = {name: type(parameter.default)(bound) for name, bound in bounds.items() if bound is not None}
+    make = bpy.props.IntProperty if isinstance(parameter.default, int) else bpy.props.FloatProperty
+    return make(default=parameter.default, **bounds, **common)
+
+
+def _settings_class(method: type[Method]) -> type[bpy.types.PropertyGroup]:
+    name = "CATOPTRIC_PG_" + identifier(method.name)
+    annotations = {parameter.name: property_of(parameter) for parameter in method.parameters}
+    return type(name, (bpy.types.PropertyGroup,), {"__annotations__": annotations, "__doc__": method.__doc__})
+
+
+_SETTINGS = {name: _settings_class(method) for name, method in METHODS.items()}
+
+
+def _method_items() -> list[tuple[str, str, str, int]]:
+    return [(name, name.replace("-", " ").title(), method.source, number) for number, (name, method) in enumerate(METHODS.items())]
+
+
+class MethodSettings(bpy.types.PropertyGroup):
+    """Values of every method's parameters."""
+
+    __annotations__ = {identifier(name): bpy.props.PointerProperty(type=kind) for name, kind in _SETTINGS.items()}
+
+    def values(self, method: str) -> Mapping[str, Value]:
+        """The parameters of one method, by name."""
+        group = getattr(self, identifier(method))
+        return {parameter.name: getattr(group, parameter.name) for parameter in METHODS[method].parameters}
+
+
+class SceneSettings(bpy.types.PropertyGroup):
+    """How a scene's reflections are drawn."""
+
+    method: bpy.props.EnumProperty(
+        name="Method", items=_method_items(), default=DEFAULT_METHOD, update=_redraw, description="How reflections are drawn"
+    )
+    methods: bpy.props.PointerProperty(type=MethodSettings)
+    lighting: bpy.props.EnumProperty(
+        name="Light",
+        items=LIGHTINGS,
+        default=Lighting.DIRECT.value,
+        update=_redraw,
+        description="Where the light of a surface comes from",
+    )
+    overlay: bpy.props.EnumProperty(
+        name="Overlay", items=OVERLAYS, default="NONE", update=_redraw, description="What the viewport shows instead"
+    )
+    samples: bpy.props.EnumProperty(
+        name="Samples",
+        items=[(str(side), words, f"{words} samples a pixel once nothing moves", side) for side, words in QUALITIES],
+        default="4",
+        update=_redraw,
+        description="Samples a pixel of a picture at rest",
+    )
+    scale: bpy.props.EnumProperty(
+        name="Resolution",
+        items=[("1", "Full", "A sample for every pixel of the screen", 1), ("2", "Half", "Four times as fast", 2)],
+        default="1",
+        update=_redraw,
+        description="Resolution of the viewport's picture",
+    )
+    show_times: bpy.props.BoolProperty(
+        name="Times", default=True, update=_redraw, description="Show what each stage costs in the viewport's corner"
+    )
+
+
+_CLASSES = (*_SETTINGS.values(), MethodSettings, SceneSettings)
+
+
+def register() -> None:
+    """Add the settings to every scene."""
+    for kind in _CLASSES:
+        bpy.utils.register_class(kind)
+    bpy.types.Scene.catoptric = bpy.props.PointerProperty(type=SceneSettings)
+
+
+def unregister() -> None:
+    """Take them away again; what a file holds of them stays in it."""
+    del bpy.types.Scene.catoptric
+    for kind in reversed(_CLASSES):
+        bpy.utils.unregister_class(kind)

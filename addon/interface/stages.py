@@ -1,0 +1,132 @@
+"""One stage for each scene that a viewport shows: reads it when Blender says that it has changed."""
+
+import threading
+from collections.abc import Hashable
+
+import bpy
+import numpy as np
+
+from ..blender.extract import extract
+from ..blender.extract_memo import Memo
+from ..errors import CatoptricError
+from ..methods.studio import Act, Studio
+from ..scene import Camera, Lighting
+
+ENGINE = "CATOPTRIC"
+_POLL = 1.0 / 60.0
+
+
+class Stage:
+    """A scene and view layer as viewports see them, and the studio that draws it. Lives on the main thread."""
+
+    def __init__(self, scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> None:
+        self.studio = Studio(_news.set)
+        self.memo = Memo()
+        self.warnings: tuple[str, ...] = ()
+        self.problem = ""
+        self.act = 0
+        self.viewers: dict[int, Hashable] = {}
+        self._scene, self._layer = scene.session_uid, layer.name
+        self.stale = True
+
+    def told(self, depsgraph: bpy.types.Depsgraph) -> None:
+        """Take note of what has changed; it is read soon, not in the middle of Blender's drawing."""
+        self.memo.forget(depsgraph)
+        self.stale = True
+        _wake()
+
+    def read(self) -> None:
+        """Read the scene anew, and have it drawn."""
+        self.stale = False
+        scene = next((scene for scene in bpy.data.scenes if scene.session_uid == self._scene), None)
+        layer = scene.view_layers.get(self._layer) if scene else None
+        if layer is None or layer.depsgraph is None:
+            return
+        settings = scene.catoptric
+        try:
+            found = extract(scene, layer.depsgraph, camera=Camera(_ANYWHERE), memo=self.memo)
+        except CatoptricError as problem:
+            self.problem = str(problem)
+            return
+        self.problem, self.warnings = "", found.warnings
+        act = Act(found, Lighting(settings.lighting), settings.method, settings.methods.values(settings.method))
+        self.act = self.studio.show(act)
+
+
+_ANYWHERE = np.eye(4)  # viewports bring their own cameras
+_stages: dict[tuple[int, str], Stage] = {}
+_news = threading.Event()
+
+
+def stage_of(depsgraph: bpy.types.Depsgraph) -> Stage:
+    """The stage of the scene and view layer that a viewport shows."""
+    scene, layer = depsgraph.scene.original, depsgraph.view_layer
+    key = (scene.session_uid, layer.name)
+    if key not in _stages:
+        _stages[key] = Stage(scene, layer)
+        _wake()
+    return _stages[key]
+
+
+def known(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> Stage | None:
+    """The stage, if a viewport has shown this scene."""
+    return _stages.get((scene.session_uid, layer.name))
+
+
+def touch() -> None:
+    """Have every scene read again, because a setting changed."""
+    for stage in _stages.values():
+        stage.stale = True
+    if _stages:
+        _wake()
+
+
+def _wake() -> None:
+    if not bpy.app.timers.is_registered(_poll):
+        bpy.app.timers.register(_poll)
+
+
+def wait_for_news() -> None:
+    """Redraw the viewports as soon as a studio has something new to show."""
+    _wake()
+
+
+def _poll() -> float | None:
+    """Reads what is stale, redraws what has news; sleeps for good when all is drawn."""
+    for stage in list(_stages.values()):
+        if stage.stale:
+            stage.read()
+    if _news.is_set():
+        _news.clear()
+        _redraw_viewports()
+    at_work = any(stage.stale or stage.studio.busy for stage in _stages.values())
+    return _POLL if at_work or _news.is_set() else None
+
+
+def _redraw_viewports() -> None:
+    for window in bpy.context.window_manager.windows:
+        if window.scene.render.engine != ENGINE:
+            continue
+        for area in window.screen.areas:
+            if area.type == "VIEW_3D" and area.spaces.active.shading.type == "RENDERED":
+                area.tag_redraw()
+
+
+@bpy.app.handlers.persistent
+def _close_all(*_: object) -> None:
+    for stage in _stages.values():
+        stage.studio.close()
+    _stages.clear()
+
+
+def register() -> None:
+    """Forget all stages whenever another file is opened."""
+    bpy.app.handlers.load_pre.append(_close_all)
+
+
+def unregister() -> None:
+    """Stop all work."""
+    bpy.app.handlers.load_pre.remove(_close_all)
+    if bpy.app.timers.is_registered(_poll):
+        bpy.app.timers.unregister(_poll)
+    _close_all()

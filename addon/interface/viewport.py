@@ -1,0 +1,86 @@
+"""One viewport: asks the studio for pictures of its own camera, and copies the newest one to the screen."""
+
+import time
+
+import bpy
+import gpu
+import numpy as np
+from gpu_extras.presets import draw_texture_2d
+
+from ..methods.contract import View
+from ..methods.studio import Picture
+from ..scene import Camera
+from .overlays import colored
+from .stages import Stage, wait_for_news
+
+_LARGEST_HALF = 65504.0
+
+
+class Viewport:
+    """Draws under Blender's own context, by Blender's own means, what was drawn in ours."""
+
+    def __init__(self) -> None:
+        self._stage: Stage | None = None
+        self._shown: tuple[Picture, str] | None = None
+        self._texture: gpu.types.GPUTexture | None = None
+        self.copy_ms = 0.0
+
+    def draw(self, engine: bpy.types.RenderEngine, context: bpy.types.Context, stage: Stage) -> None:
+        """Show the newest picture over the whole region, and ask for what is still missing."""
+        if self._stage is not stage:
+            self.close()
+            self._stage = stage
+        scene, region = context.scene, context.region
+        stage.viewers[region.as_pointer()] = self
+        settings = scene.catoptric
+        self._ask(_view(context, int(settings.scale)), int(settings.samples))
+        picture = stage.studio.picture(self)
+        if picture is None:
+            return
+        start = time.perf_counter()
+        if self._shown != (picture, settings.overlay):
+            self._texture = _texture(colored(picture, settings.overlay))
+            self._shown = (picture, settings.overlay)
+        gpu.state.blend_set("ALPHA_PREMULT")
+        engine.bind_display_space_shader(scene)
+        draw_texture_2d(self._texture, (0, 0), region.width, region.height)
+        engine.unbind_display_space_shader()
+        gpu.state.blend_set("NONE")
+        self.copy_ms = 1e3 * (time.perf_counter() - start)
+
+    def _ask(self, view: View, samples: int) -> None:
+        """A sample a pixel while anything moves, then a smooth picture."""
+        picture = self._stage.studio.picture(self)
+        if picture is None or picture.act != self._stage.act or not _same_place(picture.view, view):
+            self._stage.studio.look(self, view)
+        elif picture.view.samples < samples:
+            self._stage.studio.look(self, View(view.camera, view.width, view.height, samples))
+        else:
+            return
+        wait_for_news()
+
+    def close(self) -> None:
+        """Ask for nothing more."""
+        if self._stage is not None:
+            self._stage.studio.leave(self)
+
+
+def _view(context: bpy.types.Context, scale: int) -> View:
+    region, seen = context.region, context.region_data
+    width, height = max(1, region.width // scale), max(1, region.height // scale)
+    camera = Camera.of_matrices(np.array(seen.view_matrix), np.array(seen.window_matrix), width, height)
+    return View(camera, width, height, samples=1)
+
+
+def _same_place(one: View, other: View) -> bool:
+    if (one.width, one.height) != (other.width, other.height):
+        return False
+    a, b = one.camera, other.camera
+    lenses = [(camera.lens, camera.shift, camera.ortho_scale, camera.pixel_aspect) for camera in (a, b)]
+    return lenses[0] == lenses[1] and np.array_equal(a.matrix, b.matrix)
+
+
+def _texture(pixels: np.ndarray) -> gpu.types.GPUTexture:
+    height, width = pixels.shape[:2]
+    data = gpu.types.Buffer("FLOAT", pixels.size, np.minimum(pixels, _LARGEST_HALF).ravel())
+    return gpu.types.GPUTexture((width, height), format="RGBA16F", data=data)
