@@ -1,5 +1,7 @@
 """Cubes of what surrounds each reflector, captured from its centre."""
 
+from collections.abc import Sequence
+
 import moderngl
 import numpy as np
 
@@ -19,19 +21,28 @@ _LEAST = 16
 
 
 class EnvironmentCubes:
-    """One cube for each reflector of a scene: the world and every other object, seen from its centre.
+    """One cube for each of some reflectors: the world and every other object, seen from its centre.
 
     The faces +X −X +Y −Y +Z −Z of a reflector lie in a row of one texture, `size` texels each, with a
     border of one texel. A reflector leaves itself out; others mirror the world alone, so that no
     capture waits for another. Lives on the GL thread.
     """
 
-    def __init__(self, resident: Resident, size: int, without: frozenset[int] = frozenset()) -> None:
-        """Make and capture the cubes; `size` shrinks where the GPU's textures end; instances `without` are left out."""
+    def __init__(
+        self,
+        resident: Resident,
+        size: int,
+        without: frozenset[int] = frozenset(),
+        reflectors: Sequence[int] | None = None,
+    ) -> None:
+        """Make and capture the cubes of `reflectors`, a group of the resident's; all of them unless given.
+
+        `size` shrinks where the GPU's textures end; instances `without` are left out.
+        """
         context = require()
         self._resident = resident
         self._without = without
-        reflectors = resident.scene.reflectors
+        self._reflectors = reflectors = resident.scene.reflectors if reflectors is None else tuple(reflectors)
         self.size = min(size, context.info["GL_MAX_TEXTURE_SIZE"] // max(6, len(reflectors)))
         if self.size < _LEAST:
             raise MachineError(f"{len(reflectors)} reflectors are more cubes than this GPU's textures hold: mark fewer")
@@ -40,7 +51,7 @@ class EnvironmentCubes:
         self._target = context.framebuffer([self._texture])
         self._visibility = Visibility(self.size, self.size)
         self._passes = [ScreenPass(name, resident, part) for name, part in _PASSES]
-        boxes = _boxes(resident.scene)
+        boxes = _boxes(resident.scene, reflectors)
         self._captures = DataTexture(boxes.reshape(-1, 4) if len(boxes) else np.zeros((1, 4), np.float32))
         self._cameras = [face_cameras(box[0, :3], boxes, self.size) for box in boxes]
         self.capture()
@@ -48,7 +59,7 @@ class EnvironmentCubes:
     def capture(self) -> None:
         """Draw all cubes anew."""
         self._target.clear()
-        for row, (reflector, cameras) in enumerate(zip(self._resident.scene.reflectors, self._cameras, strict=True)):
+        for row, (reflector, cameras) in enumerate(zip(self._reflectors, self._cameras, strict=True)):
             for column, camera in enumerate(cameras):
                 self._capture_face(camera, self._without | {reflector}, (column * self.size, row * self.size))
 
@@ -95,11 +106,11 @@ def face_cameras(centre: np.ndarray, boxes: np.ndarray, size: int) -> list[Camer
     return cameras
 
 
-def _boxes(scene: Scene) -> np.ndarray:
+def _boxes(scene: Scene, reflectors: Sequence[int]) -> np.ndarray:
     """(reflectors, 3, 4) float32: centre of each reflector, and low and high corner of the box around the rest."""
     around = np.array([world_box(instance, scene.meshes[instance.mesh]) for instance in scene.instances])
-    rows = np.zeros((len(scene.reflectors), 3, 4), np.float32)
-    for row, reflector in zip(rows, scene.reflectors, strict=True):
+    rows = np.zeros((len(reflectors), 3, 4), np.float32)
+    for row, reflector in zip(rows, reflectors, strict=True):
         rest = np.delete(around, reflector, axis=0) if len(around) > 1 else around
         row[0, :3] = around[reflector].mean(axis=0)
         row[1, :3] = np.minimum(rest[:, 0].min(axis=0), around[reflector, 0])

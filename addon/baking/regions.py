@@ -1,5 +1,6 @@
 """Potential reflection regions (Zhang et al., 3.2 and appendix): which objects a reflector's triangle may show."""
 
+from collections.abc import Sequence
 from dataclasses import dataclass
 
 import moderngl
@@ -28,7 +29,7 @@ class Removed:
 
 
 class Regions:
-    """The region test of every reflector of a scene, on the GPU; lives on the GL thread.
+    """The region test of reflectors, all of a scene's unless given, on the GPU; lives on the GL thread.
 
     Each triangle of a reflector is a small plane mirror. Around the bounding sphere of an object's
     mirror image lies a cone with its apex in the eye; where triangle and cone meet, the object may
@@ -36,15 +37,16 @@ class Regions:
     so that a coarse curved mirror may lose a rim; an orthographic camera has no apex and tests nothing.
     """
 
-    def __init__(self, resident: Resident) -> None:
+    def __init__(self, resident: Resident, reflectors: Sequence[int] | None = None) -> None:
         """Make the table; `update` fills it."""
         context = require()
         scene = resident.scene
         self._resident = resident
         self.words = max(1, -(-len(scene.instances) // _WORD))
+        chosen = scene.reflectors if reflectors is None else reflectors
         counts = np.array([len(mesh.triangles) for mesh in scene.meshes], np.int64)
         self._first_triangle = first_triangles(resident.scene)
-        self._counts = {index: int(counts[scene.instances[index].mesh]) for index in scene.reflectors}
+        self._counts = {index: int(counts[scene.instances[index].mesh]) for index in chosen}
         self._first_row, rows = {}, -(-len(scene.instances) // _WIDTH)
         for index, count in self._counts.items():
             self._first_row[index], rows = rows, rows - (-count * self.words // _WIDTH)

@@ -1,5 +1,7 @@
 """A Scene that lies on the GPU."""
 
+from collections.abc import Sequence
+
 import moderngl
 import numpy as np
 
@@ -23,6 +25,7 @@ class Resident:
         self._visibility = program("visibility/visibility.vert", "visibility/visibility.frag")
         self._textures: dict[str, DataTexture] = {}
         self._vertex_arrays: dict[Mesh, moderngl.VertexArray] = {}
+        self._groups: dict[int, int] = {}
         self._upload(geometry_tables(scene))
         self._take(scene)
 
@@ -40,10 +43,20 @@ class Resident:
         self._take(scene)
         return True
 
+    def group(self, groups: Sequence[Sequence[int]]) -> None:
+        """Say which reflectors' images are drawn together: instances, by group; at first all are of group 0."""
+        numbers = {index: number for number, group in enumerate(groups) for index in group if number}
+        if numbers != self._groups:
+            self._groups = numbers
+            self._upload_records(self.scene)
+
+    def _upload_records(self, scene: Scene) -> None:
+        records, self._numbers = record_table(scene, self._groups)
+        self._upload({"records": records})
+
     def _take(self, scene: Scene) -> None:
         """Upload what there is little of."""
-        records, self._numbers = record_table(scene)
-        self._upload({"records": records})
+        self._upload_records(scene)
         self.scene = scene
         self._material_defines = material_defines(scene)
         self._world_light = world_light(scene.world)

@@ -1,6 +1,8 @@
 """A Scene as the tables that gpu_shaders/common reads: plain arrays, one row a texel."""
 
-from collections.abc import Sequence
+from collections import defaultdict
+from collections.abc import Iterator, Mapping, Sequence
+from itertools import count
 from weakref import WeakKeyDictionary
 
 import numpy as np
@@ -27,13 +29,13 @@ def geometry_tables(scene: Scene) -> dict[str, np.ndarray]:
     }
 
 
-def record_table(scene: Scene) -> tuple[np.ndarray, dict[str, int]]:
+def record_table(scene: Scene, groups: Mapping[int, int] | None = None) -> tuple[np.ndarray, dict[str, int]]:
     """All that there is little of, in one table, since a shader may read only 16; and integer uniforms.
 
     These tell where sections of the table begin and how long they are, and which image is the
-    panorama (-1: none).
+    panorama (-1: none). `groups` maps instances that mirror to the number of their group, 0 unless given.
     """
-    instances, materials = _instances_and_materials(scene)
+    instances, materials = _instances_and_materials(scene, groups or {})
     hierarchy, lamps = _hierarchy(scene), lamp_rows(scene.lamps)
     numbers = {
         "first_material": len(instances),
@@ -116,7 +118,7 @@ def _vertex_colors(meshes: Sequence[Mesh]) -> np.ndarray:
     return np.concatenate([np.asarray(rows, np.float32).reshape(-1, 4) for rows in colors])
 
 
-def _instances_and_materials(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+def _instances_and_materials(scene: Scene, groups: Mapping[int, int]) -> tuple[np.ndarray, np.ndarray]:
     """An instance's materials stand in a row of their own, so that a slot is an offset."""
     first: dict[tuple[int, ...], int] = {}
     order: list[int] = []
@@ -127,13 +129,13 @@ def _instances_and_materials(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
     rows = np.zeros((len(scene.instances), 10, 4), np.float32)
     layers, convex = zip(*map(_structure, scene.meshes), strict=True) if scene.meshes else ((), ())
     grids = _grids(layers)
-    reflector = 0
-    for row, instance in zip(rows, scene.instances, strict=True):
+    reflectors: defaultdict[int, Iterator[int]] = defaultdict(count)
+    for index, (row, instance) in enumerate(zip(rows, scene.instances, strict=True)):
         row[0:3] = instance.matrix[:3]
         row[3:6] = np.linalg.inv(instance.matrix)[:3]
         lightmap = _NONE if instance.lightmap is None else instance.lightmap
-        row[6] = first[instance.materials], instance.reflector, lightmap, reflector
-        reflector += instance.reflector
+        group = groups.get(index, 0) if instance.reflector else _NONE
+        row[6] = first[instance.materials], group + 1, lightmap, next(reflectors[group])
         row[7] = (*layers[instance.mesh].low, layers[instance.mesh].axis)
         row[8] = (*layers[instance.mesh].size, convex[instance.mesh])
         row[9] = grids[instance.mesh]

@@ -47,8 +47,8 @@ class Visibility:
         context.enable_only(moderngl.DEPTH_TEST)
         resident.rasterise(world_to_clip, hidden)
 
-    def mark_parts(self, resident: Resident) -> None:
-        """Fill `parts` from what `draw` found."""
+    def mark_parts(self, resident: Resident, group: int = 0) -> None:
+        """Fill `parts` from what `draw` found; of the reflectors, those of one group count as such."""
         context = require()
         self._mask.use()
         context.viewport = (0, 0, *self.size)
@@ -56,7 +56,7 @@ class Visibility:
         context.depth_func = "1"
         resident.bind(self._mark)
         self.texture.use(FREE_UNIT)
-        self._mark["visibility"] = FREE_UNIT
+        self._mark["visibility"], self._mark["group"] = FREE_UNIT, group
         self._screen.render(vertices=3)
         context.depth_func = "<"
 

@@ -1,13 +1,14 @@
 """The frame that every method shares: see, light, then add the reflections."""
 
 from abc import abstractmethod
+from collections.abc import Iterable, Mapping
 from typing import ClassVar
 
 import moderngl
 
-from ..drawing import Canvas, Part, Resident, ScreenPass, world_to_clip
+from ..drawing import Canvas, Part, Resident, ScreenPass, Visibility, world_to_clip
 from ..gl import Stopwatch, on_gl_thread
-from ..progress import Progress, silent
+from ..progress import Progress, part_of, silent
 from ..scene import Lighting, Scene
 from .contract import Method, View
 
@@ -15,53 +16,134 @@ _TIMED = 3
 """How often what a frame prepares is timed, where a picture has several samples."""
 
 
-class DeferredMethod(Method):
+class EnsembleMethod(Method):
+    """A method that says which reflectors are drawn by what; an ensemble of one or several paints them."""
+
+    @abstractmethod
+    def cast(self, scene: Scene) -> "Cast":
+        """Who draws which reflectors."""
+
+    @on_gl_thread
+    def prepare(self, scene: Scene, lighting: Lighting, progress: Progress = silent) -> None:
+        """Upload the scene, compile the shaders, bake what is needed."""
+        self._ensemble = Ensemble(scene, lighting)
+        self._ensemble.assign(self.cast(scene), progress)
+
+    @on_gl_thread
+    def update(self, scene: Scene, progress: Progress = silent) -> None:
+        """Upload what has changed; bake again unless nothing but the camera has."""
+        if self._ensemble.update(scene):
+            self._ensemble.assign(self.cast(scene), progress)
+        else:
+            self._ensemble.complete(progress)
+
+    @on_gl_thread
+    def paint(self, view: View, canvas: Canvas, progress: Progress = silent) -> dict[str, float]:
+        """See, light, reflect, once for each sample of the pixel."""
+        return self._ensemble.paint(view, canvas, progress)
+
+    @on_gl_thread
+    def release(self) -> None:
+        """Give the GPU memory back."""
+        self._ensemble.release()
+
+
+class DeferredMethod(EnsembleMethod):
     """A method whose reflections are one full-screen pass, a shader that defines `mirrored_light`.
 
-    A subclass names the shader's file and binds what it reads besides the scene.
+    A subclass names the shader's file, bakes for `self.reflectors` (instances) of `self.scene`, which lies
+    on the GPU as `self.resident`, and binds what it reads besides the scene.
     """
 
     shader: ClassVar[str]
 
-    @on_gl_thread
-    def prepare(self, scene: Scene, lighting: Lighting, progress: Progress = silent) -> None:
-        """Upload the scene, compile the shaders, bake what the method needs."""
-        self.scene = scene
-        self.resident = Resident(scene, lighting)
-        self._compile()
-        self.bake(progress)
-
-    def _compile(self) -> None:
-        self._world = ScreenPass("world/world.frag", self.resident, Part.WORLD)
-        self._lit = ScreenPass("lit/lit.frag", self.resident, Part.SURFACES)
-        self._reflection = ScreenPass(self.shader, self.resident, Part.REFLECTORS)
-
     def bake(self, progress: Progress) -> None:
-        """Bake what the reflections need; on the GL thread, with `self.resident` at hand."""
+        """Bake what the reflections need; on the GL thread."""
+
+    def before_frame(self, view: View) -> None:
+        """What the method draws anew for every frame, before the reflections; counted in their time."""
 
     @abstractmethod
     def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
         """Set the uniforms and textures (from unit FREE_UNIT + 1 on) of the reflection pass."""
 
-    def before_frame(self, view: View) -> None:
-        """What the method draws anew for every frame, before the reflections; counted in their time."""
+    def free(self) -> None:
+        """Give back what `bake` took; on the GL thread."""
 
-    @on_gl_thread
-    def update(self, scene: Scene, progress: Progress = silent) -> None:
-        """Upload what has changed; bake again unless nothing but the camera has."""
-        self.scene = scene
-        if self.resident.update(scene):
+    @property
+    def scene(self) -> Scene:
+        """What is drawn."""
+        return self.resident.scene
+
+    def cast(self, scene: Scene) -> "Cast":
+        """Alone on the stage, the method draws every reflector."""
+        return {self: scene.reflectors}
+
+    def join(self, resident: Resident, reflectors: tuple[int, ...], progress: Progress) -> None:
+        """Get ready to draw these reflectors of the scene, until `free`; on the GL thread."""
+        self.resident, self.reflectors = resident, reflectors
+        self._pass = ScreenPass(self.shader, resident, Part.REFLECTORS)
+        self.bake(progress)
+
+    def reflect(self, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
+        """Add the reflections of the marked reflectors; `sample` as `ScreenPass.draw` takes it."""
+        self.bind_reflection(self._pass.shader, view)
+        self._pass.draw(view.camera, seen, target, **sample)
+
+
+Cast = Mapping[DeferredMethod, tuple[int, ...]]
+"""The methods of a frame, and the instances whose reflections each draws."""
+
+
+class Ensemble:
+    """A scene on the GPU, and the methods that draw its reflectors in one frame. Lives on the GL thread."""
+
+    def __init__(self, scene: Scene, lighting: Lighting) -> None:
+        """Upload the scene; `assign` brings the methods in."""
+        self.resident = Resident(scene, lighting)
+        self._cast: dict[DeferredMethod, tuple[int, ...]] = {}
+        self._ready: set[DeferredMethod] = set()
+        self._compile()
+
+    def _compile(self) -> None:
+        self._world = ScreenPass("world/world.frag", self.resident, Part.WORLD)
+        self._lit = ScreenPass("lit/lit.frag", self.resident, Part.SURFACES)
+
+    def update(self, scene: Scene) -> bool:
+        """Upload what has changed; whether anything but the camera has: then every method must bake again."""
+        changed = self.resident.update(scene)
+        if changed:
             self._compile()
-            self.free()
-            self.bake(progress)
+            self._dismiss(self._cast)
+        return changed
 
-    @on_gl_thread
+    def assign(self, cast: Cast, progress: Progress = silent) -> None:
+        """Let these draw from now on; a method that keeps its reflectors keeps what it baked."""
+        self._dismiss([method for method, reflectors in self._cast.items() if cast.get(method) != reflectors])
+        self._cast = dict(cast)
+        self.resident.group(tuple(cast.values()))
+        self.complete(progress)
+
+    def complete(self, progress: Progress = silent) -> None:
+        """Bake for the methods that have not baked yet, be it because an earlier call was stopped."""
+        missing = [method for method in self._cast if method not in self._ready]
+        for number, method in enumerate(missing):
+            share = part_of(progress, number / len(missing), (number + 1) / len(missing))
+            method.join(self.resident, self._cast[method], share)
+            self._ready.add(method)
+
+    def _dismiss(self, methods: Iterable[DeferredMethod]) -> None:
+        for method in self._ready.intersection(methods):
+            self._ready.remove(method)
+            method.free()
+
     def paint(self, view: View, canvas: Canvas, progress: Progress = silent) -> dict[str, float]:
-        """See, light, reflect, once for each sample of the pixel."""
+        """See, light, reflect, once for each sample of the pixel; `time_ms` as of a `Frame`."""
         watch = Stopwatch()
         for _ in range(1 if view.samples == 1 else _TIMED):
             with watch.stage("preparation"):
-                self.before_frame(view)
+                for method in self._ready:
+                    method.before_frame(view)
         canvas.clear()
         for number, (offset, weight) in enumerate(samples := _samples(view.samples)):
             progress("rendering", number / len(samples))
@@ -79,16 +161,15 @@ class DeferredMethod(Method):
             for drawn in (self._world, self._lit):
                 drawn.draw(view.camera, seen, canvas.picture, offset=offset, weight=weight)
         with watch.stage("reflection"):
-            self.bind_reflection(self._reflection.shader, view)
-            self._reflection.draw(view.camera, seen, target, offset=offset, weight=weight)
+            for group, method in enumerate(self._cast):
+                if method in self._ready:
+                    if group:
+                        seen.mark_parts(self.resident, group)
+                    method.reflect(view, seen, target, offset=offset, weight=weight)
 
-    def free(self) -> None:
-        """Give back what `bake` took; on the GL thread."""
-
-    @on_gl_thread
     def release(self) -> None:
         """Give the GPU memory back."""
-        self.free()
+        self._dismiss(self._cast)
         self.resident.release()
 
 

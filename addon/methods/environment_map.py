@@ -31,7 +31,7 @@ class EnvironmentMap(DeferredMethod):
     def bake(self, progress: Progress) -> None:
         """Capture the cubes."""
         progress("capturing environment cubes", 0.0)
-        self.cubes = EnvironmentCubes(self.resident, self.settings["size"])
+        self.cubes = EnvironmentCubes(self.resident, self.settings["size"], reflectors=self.reflectors)
 
     def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
         """Bind the cubes."""

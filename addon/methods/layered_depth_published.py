@@ -1,17 +1,16 @@
 """Layered depth textures as published."""
 
 import moderngl
-import numpy as np
 
 from ..baking.environment import EnvironmentCubes
 from ..baking.layered_depth import LAYERS, RESOLUTION, bake_layers
 from ..baking.layered_depth_tables import MEMORY, UNITS, ResidentLayers, fitting_resolution
 from ..baking.regions import Regions
+from ..baking.surroundings import surroundings
 from ..cache import Cache
-from ..drawing import FREE_UNIT, world_box
+from ..drawing import FREE_UNIT
 from ..parameters import Parameter
 from ..progress import Progress
-from ..scene import Scene
 from .contract import View
 from .deferred import DeferredMethod
 from .environment_map import CUBE_SIZE
@@ -99,8 +98,8 @@ class LayeredDepthPublished(DeferredMethod):
         self.bakes = [bake if bake is not None and bake.has_inside else None for bake in bakes]
         self._layers = ResidentLayers(self.bakes)
         searched = frozenset(index for index, bake in enumerate(self.bakes) if bake is not None)
-        self._cubes = EnvironmentCubes(self.resident, self.settings["size"], searched)
-        self._regions = Regions(self.resident)
+        self._cubes = EnvironmentCubes(self.resident, self.settings["size"], searched, self.reflectors)
+        self._regions = Regions(self.resident, self.reflectors)
 
     def before_frame(self, view: View) -> None:
         """Find the reflection regions of this view."""
@@ -122,14 +121,3 @@ class LayeredDepthPublished(DeferredMethod):
         """Give the layers, the regions and the environment map back."""
         for part in (self._layers, self._cubes, self._regions):
             part.release()
-
-
-def surroundings(scene: Scene) -> frozenset[int]:
-    """Instances whose box holds a whole reflector: rooms and skies, which are no nearby object."""
-    boxes = np.array([world_box(instance, scene.meshes[instance.mesh]) for instance in scene.instances])
-    around = set()
-    for reflector in scene.reflectors:
-        low, high = boxes[reflector]
-        holds = (boxes[:, 0] <= low).all(axis=1) & (boxes[:, 1] >= high).all(axis=1)
-        around |= set(np.flatnonzero(holds).tolist()) - {reflector}
-    return frozenset(around)

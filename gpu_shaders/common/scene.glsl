@@ -58,7 +58,12 @@ bool is_reflector(int instance) {
     return instance_texel(instance, 6).y > 0.0;
 }
 
-// Counts the reflectors, in the order of their instances.
+// Whose pass draws its reflections (addon/drawing/resident.py); NONE for what is no reflector.
+int group_of(int instance) {
+    return int(instance_texel(instance, 6).y) - 1;
+}
+
+// Counts the reflectors of its group, in the order of their instances.
 int reflector_of(int instance) {
     return int(instance_texel(instance, 6).w);
 }
