@@ -2,6 +2,7 @@
 
 import json
 from dataclasses import replace
+from pathlib import Path
 
 import numpy as np
 import OpenImageIO as oiio
@@ -9,8 +10,10 @@ import pytest
 import trimesh
 from catoptric.addon.baking.engine_export import export_for_engine
 from catoptric.addon.baking.engine_export_ktx2 import why_no_ktx2
-from catoptric.addon.errors import MachineError, SceneError, UsageError
+from catoptric.addon.errors import Cancelled, MachineError, SceneError, UsageError
 from catoptric.addon.scene import Lighting
+from catoptric.addon.scene.archive import save
+from catoptric.batch.cli import main
 from hypothesis import HealthCheck, given, settings
 from hypothesis import strategies as st
 
@@ -24,6 +27,13 @@ TURNED = placed((1.5, -0.9, 0.2), (0.5, 0.6, 0.5), 0.7, (0.3, 0.2, 1.0))
 def ball():
     """A round mirror."""
     return mesh_of(trimesh.creation.icosphere(subdivisions=4), smooth=True)
+
+
+def rack():
+    """Three plates with room between them."""
+    return trimesh.util.concatenate(
+        [trimesh.creation.box((0.3, 1.6, 1.6)).apply_translation((0.7 * step, 0.0, 0.0)) for step in (-1, 0, 1)]
+    )
 
 
 def beside_ball(*parts):
@@ -63,7 +73,7 @@ def six_walls():
     parts = [(ball(), placed(scale=(0.2,) * 3), True)]
     steps = [side * np.eye(3)[axis] for axis in range(3) for side in (1.0, -1.0)]
     parts += [(mesh_of(trimesh.creation.box((4, 4, 4))), placed(4.0 * step, (0.999,) * 3), False) for step in steps]
-    marker = mesh_of(trimesh.creation.box((0.4, 0.4, 0.4)))
+    marker = mesh_of(trimesh.creation.box((0.5, 0.5, 0.5)))
     for step in steps:
         aside = np.roll(step, 1) * 0.7 + np.abs(np.roll(step, 2)) * 0.3
         parts.append((marker, placed(1.6 * step + aside), False))
@@ -76,8 +86,8 @@ def six_walls():
 @pytest.mark.parametrize(("version", "rows_from_bottom"), [("330 core", False), ("410 core", True)])
 @pytest.mark.parametrize(
     ("shape", "layers"),
-    [(trimesh.creation.icosphere(4), 1), (trimesh.creation.torus(1.0, 0.3), 2)],
-    ids=["sphere", "torus"],
+    [(trimesh.creation.icosphere(4), 1), (trimesh.creation.torus(1.0, 0.3), 2), (rack(), 3)],
+    ids=["sphere", "torus", "rack"],
 )
 def test_the_exported_glsl_meets_what_embree_meets(shape, layers, version, rows_from_bottom, tmp_path):
     scene = beside_ball((shape, TURNED))
@@ -98,7 +108,7 @@ def test_the_exported_glsl_meets_what_embree_meets(shape, layers, version, rows_
     assert np.median(errors) <= 0.5
     assert np.quantile(errors, 0.98) <= 2.0
     assert (radiance[hits] == (2.0, 1.0, 0.0)).all()
-    assert np.median((normal[both] * truth.flat[both]).sum(-1)) > 0.99
+    assert ((normal[both] * truth.flat[both]).sum(-1) > 0.9).mean() > 0.95
 
 
 def test_each_face_of_the_atlas_lies_where_the_description_says(tmp_path):
@@ -157,23 +167,40 @@ def test_the_cross_shows_each_wall_in_its_place(tmp_path):
     assert np.array_equal(corners, expected)
 
 
+def seen_from_centre(scene, directions):
+    """The red that names what Embree meets from the origin, 0 for nothing; the mirror left out."""
+    met = Judge(replace(scene, instances=scene.instances[1:])).meet(np.zeros_like(directions), directions)
+    return np.where(met.instance < 0, 0.0, met.instance + 2.0)
+
+
+def test_each_texel_of_a_face_looks_where_the_description_says(tmp_path):
+    scene = six_walls()
+    engine = exported(scene, tmp_path, ["object 0"])
+    (cube,) = engine.described["cubes"]
+    across = (np.arange(cube["size"]) + 0.5) / cube["size"] * 2.0 - 1.0
+    for face, directed in zip(engine.faces(cube), cube["faces"].values(), strict=True):
+        looks, right, up = (
+            (1.0 if directed[name][0] == "+" else -1.0) * np.eye(3)["XYZ".index(directed[name][1])]
+            for name in ("looks", "right", "up")
+        )
+        directions = (looks + across[None, :, None] * right - across[:, None, None] * up).reshape(-1, 3)
+        directions /= np.linalg.norm(directions, axis=1, keepdims=True)
+        assert (face[..., 0].ravel() == seen_from_centre(scene, directions)).mean() > 0.995
+
+
 @pytest.mark.parametrize(("version", "rows_from_bottom"), [("330 core", False), ("410 core", True)])
 def test_cross_and_cube_map_show_what_embree_meets(version, rows_from_bottom, tmp_path):
     scene = six_walls()
     engine = exported(scene, tmp_path, ["object 0"], cube_size=64)
     (cube,) = engine.described["cubes"]
-    others = replace(scene, instances=scene.instances[1:])
     directions = directions_around()
-    truth = Judge(others).meet(np.zeros_like(directions), directions)
-    wanted = np.where(truth.instance < 0, 0.0, truth.instance + 2.0)
-    assert len(np.unique(wanted)) >= 12
+    wanted = seen_from_centre(scene, directions)
     looks = engine.look(cube, directions, version=version, rows_from_bottom=rows_from_bottom)
     for radiance in looks:
-        assert (np.abs(radiance[:, 0] - wanted) < 0.01).mean() > 0.9
-    assert (np.abs(looks[0] - looks[1]).max(axis=1) < 1e-3).mean() > 0.9
-    for face, directed in zip(engine.faces(cube), cube["faces"].values(), strict=True):
-        axis = "XYZ".index(directed["looks"][1])
-        assert face[2, 2, 0] == 2.0 + 2 * axis + (directed["looks"][0] == "-")
+        right = np.abs(radiance[:, 0] - wanted) < 0.01
+        assert [number for number in range(2, 14) if right[wanted == number].mean() < 0.7] == []
+        assert right.mean() > 0.9
+    assert (np.abs(looks[0] - looks[1]).max(axis=1) < 1e-3).mean() > 0.95
 
 
 def test_cubes_hold_all_but_the_objects_that_have_an_atlas(tmp_path):
@@ -272,7 +299,56 @@ def test_ktx2_holds_what_the_exr_holds(tmp_path):
         assert np.array_equal(held, np.stack(list(map(engine.picture, texture["files"]))))
 
 
+# ------------------------------------------------------------------ the door
+
+
+def test_the_command_line_exports_what_is_named(tmp_path, capsys):
+    boxes = [(trimesh.creation.box(), placed((side, 0, 0))) for side in (-2, 2)]
+    save(beside_ball(*boxes), tmp_path / "stage.catoptric")
+    sizes = ["--resolution", "16", "--cube-size", "16"]
+    command = ["export-engine", str(tmp_path / "stage.catoptric"), "--out", str(tmp_path / "engine"), *sizes]
+    assert main([*command, "--objects", "object 0, object 2"]) == 0
+    printed = capsys.readouterr().out.splitlines()
+    assert sorted(Path(line).name for line in printed) == sorted(path.name for path in (tmp_path / "engine").iterdir())
+    described = Engine(tmp_path / "engine").described
+    assert [one["name"] for thing in described["objects"] for one in thing["instances"]] == ["object 2"]
+    assert [cube["reflector"] for cube in described["cubes"]] == ["object 0"]
+    for wrong, clue in ((["--objects", "object 7"], "object 2"), (["--cube-size", "1"], "16")):
+        assert main([*command, *wrong]) == 2
+        assert clue in capsys.readouterr().err
+    assert main(["export-engine", "--help"]) == 0
+    assert "Usage: catoptric export-engine" in capsys.readouterr().out
+
+
 # ------------------------------------------------------------------ what goes wrong
+
+
+@pytest.mark.parametrize("stage", ["baking", "writing"])
+def test_stopped_in_the_middle_it_leaves_nothing_half_written(stage, tmp_path):
+    def stop(said, fraction):
+        if said.startswith(stage) and fraction > 0.3:
+            raise Cancelled
+
+    parts = [(trimesh.creation.box(), placed((side, 0, 0))) for side in (-2, 2)]
+    scene = beside_ball(*parts)
+    scene = replace(scene, instances=(*scene.instances, replace(scene.instances[0], matrix=placed((0, 4, 0)))))
+    settings = {"resolution": 16, "cube_size": 16}
+    with pytest.raises(Cancelled):
+        export_for_engine(scene, Lighting.UNLIT, None, tmp_path, settings, progress=stop)
+    assert not (tmp_path / "catoptric.json").exists()
+    assert all(oiio.ImageBuf(str(path)).get_pixels(oiio.FLOAT).size for path in tmp_path.iterdir())
+    assert len(export_for_engine(scene, Lighting.UNLIT, None, tmp_path, settings).written) > 6
+
+
+def test_layers_that_are_cut_are_told(tmp_path):
+    row = [trimesh.creation.box((0.1, 1.0, 1.0)).apply_translation((0.2 * step, 0.0, 0.0)) for step in range(5)]
+    scene = beside_ball((trimesh.util.concatenate(row), TURNED))
+    settings = {"resolution": 32, "cube_size": 16, "layers": 1}
+    exports = export_for_engine(scene, Lighting.UNLIT, None, tmp_path, settings)
+    (thing,) = Engine(tmp_path).described["objects"]
+    assert thing["layers"] <= 2
+    assert thing["cut"]["texels"] > 0
+    assert any("more layers" in note for note in exports.notes)
 
 
 def test_a_selection_that_cannot_be_exported_is_one_line(tmp_path):

@@ -74,7 +74,7 @@ def export_for_engine(
     An object becomes a layered depth atlas, two RGBA textures a layer (Zhang et al., 3.3 and 3.4); a reflector
     becomes a cube of what it sees from its centre, but for itself and the objects that became an atlas.
     Objects without an inside, or around a reflector, stay in the cubes. `settings` may hold PARAMETERS.
-    Raises a `CatoptricError` with one line; what was written before stays, without a catoptric.json.
+    catoptric.json comes last, so that it names no file that is not there. Raises a `CatoptricError` with one line.
     """
     chosen = resolve(PARAMETERS, settings or {})
     selected = _selected(scene, objects)
@@ -176,6 +176,8 @@ class _Export:
                 path = self._path(f"{stem}_{name}_layer-{layer + 1}.exr")
                 write_exr(path, pixels[..., [CHANNELS.index(channel) for channel in channels]], _RGBA)
                 files[name].append(path.name)
+        if bake.cut[1]:
+            self._exported.notes.append(f"{bake.name}: {bake.cut[1]} texels have more layers than were asked for")
         placed = [self._scene.instances[index] for index in instances]
         return {
             "mesh": bake.name,
