@@ -128,6 +128,8 @@ def make(machine: Machine) -> None:
         if not (root / "etc/debian_version").exists():
             root.mkdir(parents=True, exist_ok=True)
             _bootstrap(root)
+        if not (root / "etc/mtab").is_symlink():
+            (root / "etc/mtab").symlink_to("/proc/self/mounts")  # Blender lists the disks in it
         # A mirror may be a snapshot of another day.
         apt = ["apt-get", "-o", "Acquire::Check-Valid-Until=false", "-o", "Acquire::Check-Date=false", "-qq"]
         (root / "usr/sbin/policy-rc.d").write_text("#!/bin/sh\nexit 101\n")  # no service may start

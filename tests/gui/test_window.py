@@ -11,6 +11,7 @@ gl = importlib.import_module("{MODULE}.addon.gl")
 
 def draw():
     context = gl.require()
+    context.wireframe = True  # Blender never asks for it nor takes it back: in its context, all would be lines
     target = context.simple_framebuffer((64, 64), components=4)
     target.use()
     context.clear(1.0, 0.5, 0.0)
