@@ -47,7 +47,7 @@ class EnvironmentCubes:
         if self.size < _LEAST:
             raise MachineError(f"{len(reflectors)} reflectors are more cubes than this GPU's textures hold: mark fewer")
         self._texture = context.texture((6 * self.size, max(1, len(reflectors)) * self.size), 4, dtype="f4")
-        self._texture.filter = (moderngl.LINEAR, moderngl.LINEAR)
+        self._texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._target = context.framebuffer([self._texture])
         self._visibility = Visibility(self.size, self.size)
         self._passes = [ScreenPass(name, resident, part) for name, part in _PASSES]

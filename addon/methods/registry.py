@@ -1,21 +1,11 @@
-"""Every method by its name. A new one is a line here."""
+"""Every method that draws a whole scene, by its name."""
 
 from ..errors import UsageError
 from .contract import Method
-from .environment_map import EnvironmentMap, EnvironmentMapDynamic, EnvironmentMapParallax
-from .layered_depth import LayeredDepth
-from .layered_depth_published import LayeredDepthPublished
+from .mixed import Auto
+from .techniques import TECHNIQUES
 
-METHODS: dict[str, type[Method]] = {
-    method.name: method
-    for method in (
-        EnvironmentMap,
-        EnvironmentMapDynamic,
-        EnvironmentMapParallax,
-        LayeredDepthPublished,
-        LayeredDepth,
-    )
-}
+METHODS: dict[str, type[Method]] = {**TECHNIQUES, Auto.name: Auto}
 
 
 def named(name: str) -> type[Method]:

@@ -1,0 +1,17 @@
+"""Every way to draw one reflector, by its name. A new one is a line here."""
+
+from .deferred import DeferredMethod
+from .environment_map import EnvironmentMap, EnvironmentMapDynamic, EnvironmentMapParallax
+from .layered_depth import LayeredDepth
+from .layered_depth_published import LayeredDepthPublished
+
+TECHNIQUES: dict[str, type[DeferredMethod]] = {
+    technique.name: technique
+    for technique in (
+        EnvironmentMap,
+        EnvironmentMapDynamic,
+        EnvironmentMapParallax,
+        LayeredDepthPublished,
+        LayeredDepth,
+    )
+}
