@@ -10,7 +10,7 @@ from typer.exceptions import TyperException
 
 from ..addon.baking.engine_export import CUBE_SIZE, PARAMETERS
 from ..addon.baking.layered_depth import LAYERS, RESOLUTION
-from ..addon.errors import Cancelled, CatoptricError
+from ..addon.errors import Cancelled, CatoptricError, UsageError
 from ..addon.methods.registry import METHODS
 from ..addon.parameters import resolve
 from ..addon.scene import Lighting
@@ -20,6 +20,8 @@ from .manual import print_methods
 from .options import PEERS, parse_frames, parse_names, parse_resolution, parse_settings
 from .package import package as build_package
 from .package_wheels import PLATFORMS, PYTHONS
+from .preview import launch
+from .preview.path import CameraPath
 from .progress import Terminal, blender_on_stderr
 from .sources import locate
 
@@ -164,6 +166,37 @@ def export_engine(
     settings = resolve(PARAMETERS, {"resolution": resolution, "layers": layers, "cube_size": cube_size})
     with Terminal() as terminal:
         tasks.export_engine(locate(scene), objects, lighting, settings, out, terminal, frame)
+    return 0
+
+
+@app.command()
+def preview(
+    scene: SceneName,
+    method: Annotated[str, typer.Option(help="The method to begin with.")] = "layered-depth",
+    versus: Annotated[str | None, typer.Option(metavar="METHOD", help="Another one, in the right half.")] = None,
+    lighting: Light = Lighting.UNLIT,
+    resolution: Size = None,
+    frame: Frame = None,
+    settings: Settings = None,
+    path: Annotated[Path | None, typer.Option(metavar="FILE", help="A camera path that was recorded.")] = None,
+    video: Annotated[
+        Path | None, typer.Option(metavar="FILE", help="Write the path as an .mp4, without any window.")
+    ] = None,
+    rate: Annotated[int, typer.Option(min=1, max=240, help="Pictures a second of a film.")] = 30,
+) -> int:
+    """Fly through a scene in a window; F1 shows the keys."""
+    parse_names(method if versus is None else f"{method},{versus}", METHODS, "--method")
+    size = parse_resolution(resolution) if resolution is not None else None
+    wishes = launch.Wishes(method, versus, parse_settings(settings or (), METHODS), lighting, size, frame)
+    flown = CameraPath.load(path) if path is not None else None
+    source = locate(scene)
+    if video is None:
+        launch.show(source, wishes, Path.cwd() / scene if scene in SCENES else source.path.with_suffix(""), flown, rate)
+    elif flown is None:
+        raise UsageError("--video: name the camera path as well, with --path")
+    else:
+        with Terminal() as terminal:
+            launch.shoot(source, wishes, flown, rate, video, terminal)
     return 0
 
 

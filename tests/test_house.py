@@ -223,7 +223,7 @@ def declared_uniforms() -> dict[str, Path]:
 def strings_in_python() -> set[str]:
     """Every string literal and keyword name in the rooms that drive shaders."""
     names: set[str] = set()
-    for path in python_files("addon"):
+    for path in python_files("addon", "batch"):
         for node in ast.walk(tree_of(path)):
             if isinstance(node, ast.Constant) and isinstance(node.value, str):
                 names.add(node.value)
@@ -234,7 +234,7 @@ def strings_in_python() -> set[str]:
 
 def uniforms_set_in_python() -> Iterator[str]:
     """Each NAME of `shader["NAME"] = …`, `shader["NAME"].write(…)` and `uniforms = {"NAME": …}`."""
-    for path in python_files("addon"):
+    for path in python_files("addon", "batch"):
         for node in ast.walk(tree_of(path)):
             if isinstance(node, ast.Assign):
                 target = node.targets[0]
