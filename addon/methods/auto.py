@@ -3,8 +3,6 @@
 from collections.abc import Callable
 from dataclasses import dataclass
 
-import numpy as np
-
 from ..parameters import Parameter
 from ..scene import Instance, Scene
 from .environment_map import CUBE_SIZE, EnvironmentMap, EnvironmentMapParallax
@@ -14,7 +12,7 @@ from .situation import Situation
 TOLERANCE = Parameter(
     "tolerance",
     "Tolerance",
-    1.0,
+    0.5,
     "How far from its place a cheaper method may show anything, in a picture of the scene's size",
     unit="pixels",
     minimum=0.0,
@@ -33,8 +31,8 @@ class Choice:
     reason: str
 
 
-Rule = Callable[[Situation, float], Choice | None]
-"""What a method says of a reflector, given the tolerance in pixels; None if it has nothing to say."""
+Rule = Callable[[Situation], Choice | None]
+"""What a method says of a reflector; None if it has nothing to say."""
 
 
 def choose(scene: Scene, reflector: Instance, tolerance: float = TOLERANCE.default) -> Choice:
@@ -42,12 +40,12 @@ def choose(scene: Scene, reflector: Instance, tolerance: float = TOLERANCE.defau
 
     `tolerance` in pixels at the scene's resolution, seen from its camera.
     """
-    situation = Situation(scene, reflector)
-    answers = (rule(situation, tolerance) for rule in RULES)
+    situation = Situation(scene, reflector, tolerance)
+    answers = (rule(situation) for rule in RULES)
     return next((answer for answer in answers if answer), None) or _near(situation)
 
 
-def _small(situation: Situation, tolerance: float) -> Choice | None:
+def _small(situation: Situation) -> Choice | None:
     if situation.extent >= _SMALL:
         return None
     across = max(1, round(2 * situation.extent))
@@ -56,56 +54,63 @@ def _small(situation: Situation, tolerance: float) -> Choice | None:
     )
 
 
-def _shows_itself(situation: Situation, tolerance: float) -> Choice | None:
+def _shows_itself(situation: Situation) -> Choice | None:
     if situation.alone:
         return None
-    return Choice(LayeredDepth.name, "it is not convex, so that parts of it may show in others, as only this draws it")
-
-
-def _blurred(situation: Situation, tolerance: float) -> Choice | None:
-    size = situation.texel_on_screen(CUBE_SIZE.default)
-    if size <= tolerance:
-        return None
     return Choice(
-        LayeredDepth.name,
-        f"it is so flat or so near that a texel of an environment map would be {size:.2g} pixels wide in it",
+        LayeredDepth.name, "it is neither flat nor a closed convex body: parts of it may show in others, exactly drawn"
     )
 
 
-def _environment_map(situation: Situation, tolerance: float) -> Choice | None:
+def _blurred(situation: Situation) -> Choice | None:
+    size = situation.texel_on_screen(CUBE_SIZE.default)
+    if size <= situation.tolerance:
+        return None
+    return Choice(
+        LayeredDepth.name,
+        f"it is so flat or so near that a texel of an environment map would be {_pixels(size)} wide in it",
+    )
+
+
+def _environment_map(situation: Situation) -> Choice | None:
     error = situation.parallax.max(initial=0.0)
-    if error > tolerance:
+    if error > situation.tolerance:
         return None
     if not len(situation.others):
         return Choice(EnvironmentMap.name, "nothing but the world shows in it, which an environment map holds")
     away = situation.distances.min() / (2.0 * situation.radius)
-    return Choice(
-        EnvironmentMap.name,
-        f"everything is at least {away:.0f} of its sizes away: an environment map is off by {error:.2g} pixels",
-    )
+    why = f"everything is over {int(away)} of its sizes away" if away >= 1.0 else "what is near shows tiny in it"
+    return Choice(EnvironmentMap.name, f"{why}: an environment map is off by {_pixels(error)} at most")
 
 
-def _room(situation: Situation, tolerance: float) -> Choice | None:
-    error = situation.room_error(tolerance)
-    if error > tolerance:
+def _room(situation: Situation) -> Choice | None:
+    error = situation.room_error
+    if error > situation.tolerance:
         return None
     return Choice(
         EnvironmentMapParallax.name,
-        f"it stands in a closed room with nothing in it: an environment map projected onto the walls is off by "
-        f"{error:.2g} pixels at most",
+        "it stands in a closed room with nothing large in it: an environment map projected onto the walls is off by "
+        f"{_pixels(error)} at most",
     )
 
 
 def _near(situation: Situation) -> Choice:
-    worst = int(np.argmax(situation.parallax))
-    name = situation.scene.instances[situation.others[worst]].name
-    distance, error = situation.distances[worst], situation.parallax[worst]
-    away = f"{distance:.2g} m away" if distance > 0.0 else "beside or around it"
+    worst = situation.worst
+    name, distance = situation.scene.instances[situation.others[worst]].name, situation.distances[worst]
+    away = f"{_number(distance)} m away" if distance > 0.0 else "beside or around it"
     return Choice(
         LayeredDepth.name,
-        f"{name} is {away} and it is {2 * situation.radius:.2g} m across: an environment map would be off by "
-        f"{error:.0f} pixels, layered-depth shows things where they are",
+        f"{name} is {away} and it is {_number(2 * situation.radius)} m across: an environment map could be off by "
+        f"{_pixels(situation.parallax[worst])}, layered-depth shows things where they are",
     )
+
+
+def _number(value: float) -> str:
+    return f"{value:.0f}" if value >= 10.0 else f"{value:.2g}"
+
+
+def _pixels(value: float) -> str:
+    return "less than 0.1 pixels" if value < 0.1 else f"{_number(value)} pixels"
 
 
 RULES: list[Rule] = [_small, _shows_itself, _blurred, _environment_map, _room]

@@ -34,8 +34,9 @@ class Placed:
     """Where the instances of a scene are, one a row.
 
     `low` and `high` (I, 3) corners of a box in world space, `middle` (I, 3), `axes` (I, 3, 3) with the
-    sides' directions in rows and `half` (I, 3) lengths of the box in its own space, metres; `shown` whether
-    reflections may see it, `known` whether a capture sees it as reflections do.
+    sides' directions in rows and `half` (I, 3) lengths of the box in its own space, metres; `radius` (I,) of
+    a ball around the middle; `shown` (I,) whether reflections may see it, `known` (I,) whether a capture sees
+    it as reflections do.
     """
 
     low: np.ndarray
@@ -43,23 +44,26 @@ class Placed:
     middle: np.ndarray
     axes: np.ndarray
     half: np.ndarray
+    radius: np.ndarray
     shown: np.ndarray
     known: np.ndarray
 
 
 _SHAPES: "WeakKeyDictionary[Mesh, Shape]" = WeakKeyDictionary()
+_RADII: "WeakKeyDictionary[Mesh, float]" = WeakKeyDictionary()
 _PLACED: "WeakKeyDictionary[Scene, Placed]" = WeakKeyDictionary()
 
 
 class Situation:
     """A reflector of a scene and what stands around it; measured when asked. Lengths in metres.
 
-    Errors are pixels of a picture of the scene's resolution, from the scene's camera, and upper bounds.
+    Errors are the most that is to be expected, in pixels at the middle of a picture of the scene's resolution
+    from the scene's camera.
     """
 
-    def __init__(self, scene: Scene, reflector: Instance) -> None:
-        """Nothing is measured yet."""
-        self.scene, self.reflector = scene, reflector
+    def __init__(self, scene: Scene, reflector: Instance, tolerance: float) -> None:
+        """Nothing is measured yet, and nothing will be that `tolerance`, in pixels, leaves no need for."""
+        self.scene, self.reflector, self.tolerance = scene, reflector, tolerance
         self._index = scene.instances.index(reflector)
         self._placed = placed(scene)
         self._scales = np.linalg.svd(reflector.matrix[:3, :3], compute_uv=False)
@@ -76,7 +80,7 @@ class Situation:
     @cached_property
     def radius(self) -> float:
         """From the middle of the reflector to its farthest point."""
-        return float(self._scales[0] * self._shape.radius)
+        return float(self._placed.radius[self._index])
 
     @cached_property
     def curvature(self) -> float:
@@ -127,18 +131,30 @@ class Situation:
         return np.flatnonzero(shown)
 
     @cached_property
+    def _rounds(self) -> np.ndarray:
+        """(others,) whether the reflector's middle lies within each one's box."""
+        at, centre = self._placed, self._placed.middle[self._index]
+        return (at.low[self.others] <= centre).all(axis=1) & (at.high[self.others] >= centre).all(axis=1)
+
+    @cached_property
     def distances(self) -> np.ndarray:
-        """(others,) at least so far away from the reflector is each: by boxes, within a box by triangles."""
+        """(others,) at least so far away from the reflector is each.
+
+        By boxes and balls; what is around the reflector by its triangles, if what is beside it tolerates an
+        environment map, else 0.
+        """
         at, around = self._placed, self.others
-        centre = at.middle[self._index]
-        offset = np.einsum("nij,nj->ni", at.axes[around], centre - at.middle[around])
-        apart = np.linalg.norm(np.maximum(np.abs(offset) - at.half[around], 0.0), axis=1) - self.radius
+        offset = at.middle[self._index] - at.middle[around]
+        own = np.abs(np.einsum("nij,nj->ni", at.axes[around], offset))
+        to_box = np.linalg.norm(np.maximum(own - at.half[around], 0.0), axis=1) - self.radius
+        to_ball = np.linalg.norm(offset, axis=1) - at.radius[around] - self.radius
         gaps = np.maximum(at.low[around] - at.high[self._index], at.low[self._index] - at.high[around])
-        least = np.maximum(apart, np.linalg.norm(np.maximum(gaps, 0.0), axis=1))
-        around_it = (at.low[around] <= centre).all(axis=1) & (at.high[around] >= centre).all(axis=1)
-        for row in np.flatnonzero(around_it & (least <= 0.0)):
-            least[row] = self._nearest_triangle([around[row]])[0].min(initial=np.inf)
-        return np.maximum(least, 0.0)
+        between_boxes = np.linalg.norm(np.maximum(gaps, 0.0), axis=1)
+        least = np.maximum(np.maximum(to_box, to_ball), between_boxes)
+        if self._misplaced(least)[~self._rounds].max(initial=0.0) <= self.tolerance:
+            for row in np.flatnonzero(self._rounds):
+                least[row] = self._nearest_triangle([around[row]])[0].min(initial=np.inf)
+        return least
 
     def _nearest_triangle(self, instances: list[int] | np.ndarray) -> tuple[np.ndarray, np.ndarray]:
         """(T,) at least so far away is each triangle, and (T, 3, 3) their corners; a 0 if there are too many."""
@@ -159,11 +175,13 @@ class Situation:
         to_plane = np.abs(((corners[:, 0] - centre) * normals).sum(axis=1)) / lengths
         return np.maximum(np.maximum(to_box, to_plane) - self.radius, 0.0), corners
 
-    @cached_property
-    def sizes(self) -> np.ndarray:
-        """(others,) pixels that each takes in the reflector, across."""
-        widest = 2.0 * np.linalg.norm(self._placed.half[self.others], axis=1)
-        return self.on_screen(widest, self.distances)
+    def _sizes(self, distances: np.ndarray) -> np.ndarray:
+        return self.on_screen(2.0 * self._placed.radius[self.others], distances)
+
+    def _misplaced(self, distances: np.ndarray) -> np.ndarray:
+        sizes = self._sizes(distances)
+        misplaced = np.minimum(self.on_screen(self.radius, distances), sizes)
+        return np.where(self._placed.known[self.others], misplaced, sizes)
 
     @cached_property
     def parallax(self) -> np.ndarray:
@@ -172,40 +190,65 @@ class Situation:
         The map is captured at the middle, so that a ray from elsewhere is off by the radius at most; what a
         capture does not know as reflections show it, a mirror for one, is wrong as a whole.
         """
-        misplaced = np.minimum(self.on_screen(self.radius, self.distances), self.sizes)
-        return np.where(self._placed.known[self.others], misplaced, self.sizes)
+        return self._misplaced(self.distances)
 
-    def room_error(self, negligible: float) -> float:
+    @property
+    def worst(self) -> int:
+        """Which of `others` decides against an environment map: one beside the reflector rather than around it."""
+        beside = np.where(self._rounds, 0.0, self.parallax)
+        return int(np.argmax(beside if beside.max() > self.tolerance else self.parallax))
+
+    @cached_property
+    def room_error(self) -> float:
         """Pixels by which a map projected onto the box around everything misplaces what lies along its sides.
 
-        Objects below `negligible` pixels are left out. Infinite where the box has holes, or holds what a capture
+        Objects smaller than the tolerance are left out. Infinite where the box has holes, or holds what a capture
         does not know. A wall `t` before the box's side, at distance d, is off by radius · t / (d + t): the lookup
         goes to where the ray meets the side, and the capture saw the wall in front of that place.
         """
-        walls = self.others[self.sizes > negligible]
+        large = self._sizes(self.distances) > self.tolerance
+        walls, beside = self.others[large], large & ~self._rounds
         if not len(walls) or not self._placed.known[walls].all():
             return np.inf
-        distance, corners = self._nearest_triangle(walls)
         low, high = self._placed.low.min(axis=0), self._placed.high.max(axis=0)
+        middle = self._placed.middle[self.others[beside]]
+        depth = np.minimum(middle - low, high - middle).min(axis=1)
+        if self._projected(depth, self.distances[beside]) > self.tolerance:  # spares a look at all triangles
+            return np.inf
+        distance, corners = self._nearest_triangle(walls)
         depths = np.concatenate([corners - low, high - corners], axis=2).max(axis=1)
         depth, side = depths.min(axis=1), depths.argmin(axis=1)
         areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1) / 2
         size = high - low
         if (np.bincount(side, areas, 6) < _CLOSED * np.tile(size[[1, 2, 0]] * size[[2, 0, 1]], 2)).any():
             return np.inf
+        return self._projected(depth, distance)
+
+    def _projected(self, depth: np.ndarray, distance: np.ndarray) -> float:
         offset = self.radius * depth / np.maximum(distance + depth, 1e-30)
-        return float(self.on_screen(offset, distance).max())
+        return float(self.on_screen(offset, distance).max(initial=0.0))
 
 
 def shape_of(mesh: Mesh) -> Shape:
     """Measured once, as long as the mesh lives."""
     if mesh not in _SHAPES:
         corners = mesh.corners.astype(np.float64)
-        middle = mesh.bounds.astype(np.float64).mean(axis=0)
-        radius = float(np.linalg.norm(corners.reshape(-1, 3) - middle, axis=1).max(initial=0.0))
-        alone = _is_flat(corners, radius) or is_convex(mesh.positions, mesh.triangles)
+        radius = _radius_of(mesh)
+        alone = _is_flat(corners, radius) or _is_convex(mesh)
         _SHAPES[mesh] = Shape(radius, _least_curvature(corners, mesh.normals, radius), alone)
     return _SHAPES[mesh]
+
+
+def _radius_of(mesh: Mesh) -> float:
+    if mesh not in _RADII:
+        _RADII[mesh] = float(np.linalg.norm(mesh.corners - mesh.bounds.mean(axis=0), axis=2).max(initial=0.0))
+    return _RADII[mesh]
+
+
+def _is_convex(mesh: Mesh) -> bool:
+    """Whether the mesh bounds a convex body, be its corners split for the sake of normals or not."""
+    positions, joined = np.unique(mesh.positions, axis=0, return_inverse=True)
+    return is_convex(positions, joined.reshape(-1)[mesh.triangles])
 
 
 def _is_flat(corners: np.ndarray, radius: float) -> bool:
@@ -236,9 +279,12 @@ def placed(scene: Scene) -> Placed:
         scales = np.maximum(np.linalg.norm(linear, axis=1), 1e-30)
         axes = (linear / scales[:, None]).transpose(0, 2, 1)
         half = half * scales
+        radii = np.array([_radius_of(scene.meshes[instance.mesh]) for instance in scene.instances])
+        radii *= np.linalg.norm(linear, ord=2, axis=(1, 2))
         sheared = np.abs(axes @ axes.transpose(0, 2, 1) - np.eye(3)).max(axis=(1, 2)) > 1e-3
         axes[sheared], half[sheared] = np.eye(3), reach[sheared]
         seen = np.array([(one.in_reflections, one.in_camera, one.reflector) for one in scene.instances])
         known = (seen[:, 0] == seen[:, 1]) & ~seen[:, 2]
-        _PLACED[scene] = Placed(middle - reach, middle + reach, middle, axes, half, seen[:, :2].any(axis=1), known)
+        shown = seen[:, :2].any(axis=1)
+        _PLACED[scene] = Placed(middle - reach, middle + reach, middle, axes, half, radii, shown, known)
     return _PLACED[scene]
