@@ -77,17 +77,18 @@ class Mixed(EnsembleMethod):
 
 
 class Auto(Mixed):
-    """Each reflector by the cheapest method whose error stays within a pixel, as its surroundings allow.
+    """Each reflector by the cheapest method that its surroundings allow; `choices` says why.
 
     An environment map shows everything as if it lay infinitely far away. How far that puts the nearest
     object out of place on the screen follows from its distance, the reflector's size and curvature, and the
     camera. Where it is more than `tolerance` pixels, the map projected onto the scene's box is tried, which
-    suits an empty room; where that is too far out as well, layered-depth draws the reflector.
+    suits an empty room; where that is too far out as well, or the reflector is small, or shows in itself,
+    layered-depth draws it.
 
     Source: the thin-mirror equation, for the size of a virtual image (any textbook of optics).
 
-    Limitations: bounds are conservative, so that layered-depth is chosen more often than need be; it looks
-    from the scene's camera, as it was when anything else changed last; it knows nothing of materials.
+    Limitations: it measures by boxes, so that layered-depth is chosen more often than need be; it looks from
+    the scene's camera, as it was when anything else changed last; it knows nothing of materials and light.
     """
 
     name = AUTO
