@@ -17,6 +17,10 @@ from .stage import looking, mesh_of, placed, scene_of
 SIZE = (48, 32)
 
 
+def plain(color, distance):
+    return color
+
+
 def stage(shift=0.0):
     ball = mesh_of(trimesh.creation.icosphere(subdivisions=3), smooth=True)
     box = mesh_of(trimesh.creation.box())
@@ -54,11 +58,11 @@ def rest(studio, seconds=30.0):
 def test_a_viewer_sees_the_newest_scene(studio):
     first, second = stage(), stage(0.5)
     view = View(first.camera, *SIZE, 1)
-    studio.look("window", view)
+    studio.look("window", view, plain)
     studio.show(act(first))
     number = studio.show(act(second))
     rest(studio)
-    studio.look("window", view)
+    studio.look("window", view, plain)
     rest(studio)
     picture = studio.picture("window")
     assert (picture.act, picture.view) == (number, view)
@@ -69,8 +73,8 @@ def test_two_viewers_have_a_picture_each(studio):
     scene = stage()
     near, far = View(scene.camera, *SIZE, 1), View(looking((0, -9, 0)), 20, 10, 1)
     studio.show(act(scene))
-    studio.look("near", near)
-    studio.look("far", far)
+    studio.look("near", near, plain)
+    studio.look("far", far, plain)
     rest(studio)
     assert studio.picture("near").pixels.shape == (32, 48, 4)
     assert studio.picture("far").pixels.shape == (10, 20, 4)
@@ -83,13 +87,13 @@ def test_asking_takes_no_time(studio):
     scene = stage()
     studio.show(act(scene))
     slow = View(scene.camera, 512, 512, 8)
-    studio.look("window", slow)
+    studio.look("window", slow, plain)
     start = time.perf_counter()
     for _ in range(100):
-        studio.look("window", slow)
+        studio.look("window", slow, plain)
     assert time.perf_counter() - start < 0.05
     quick = View(scene.camera, *SIZE, 1)
-    studio.look("window", quick)
+    studio.look("window", quick, plain)
     rest(studio)
     assert studio.picture("window").view is quick
 
@@ -98,7 +102,7 @@ def test_a_failure_is_told_and_the_last_picture_stays(studio):
     scene = stage()
     view = View(scene.camera, *SIZE, 1)
     studio.show(act(scene))
-    studio.look("window", view)
+    studio.look("window", view, plain)
     rest(studio)
     before = studio.picture("window")
     studio.show(act(scene, "no-such-method"))
@@ -106,7 +110,7 @@ def test_a_failure_is_told_and_the_last_picture_stays(studio):
     assert "no-such-method" in studio.problem
     assert studio.picture("window") is before
     studio.show(act(stage(1.0)))
-    studio.look("window", view)
+    studio.look("window", view, plain)
     rest(studio)
     assert studio.problem == ""
     assert studio.picture("window") is not before
@@ -117,9 +121,9 @@ def test_notices_come_and_closing_ends_the_work():
     studio = Studio(heard.set)
     scene = stage()
     studio.show(act(scene))
-    studio.look("window", View(scene.camera, 512, 512, 16))
+    studio.look("window", View(scene.camera, 512, 512, 16), plain)
     assert heard.wait(30)
     studio.close()
     assert not studio.busy
-    studio.look("window", View(replace(scene).camera, *SIZE, 1))
+    studio.look("window", View(replace(scene).camera, *SIZE, 1), plain)
     assert not studio.busy

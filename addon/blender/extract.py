@@ -104,7 +104,8 @@ class _Reading:
         self.progress("reading the world", 0.9)
         scene, render = self.scene, self.scene.render
         self._warn_of_color_space()
-        self.memo.world = self.memo.world or read_world(scene.world, scene.frame_current, self.notes)
+        if self.memo.world is None:
+            self.memo.world = read_world(scene.world, scene.frame_current, self.notes, self.memo.may_render)
         percentage = render.resolution_percentage / 100.0
         self.progress("reading the scene", 1.0)
         return Scene(

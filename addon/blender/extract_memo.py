@@ -13,12 +13,14 @@ from .extract_mesh import Empty
 class Memo:
     """Meshes, images and the world, as long as Blender does not say that they have changed.
 
-    An empty one knows nothing; a reading fills it, and afterwards it holds what that reading used.
+    An empty one knows nothing; a reading fills it, and afterwards it holds what that reading used. In the
+    middle of a render (`may_render` False) no other can be started to draw a world that only Cycles can.
     """
 
     meshes: "dict[Hashable, Mesh | Empty]" = field(default_factory=dict)
     images: dict[tuple[str, bool], Image] = field(default_factory=dict)
     world: World | None = None
+    may_render: bool = True
     _owners: dict[Hashable, set[str]] = field(default_factory=dict)
     _used: set[Hashable] = field(default_factory=set)
 

@@ -22,10 +22,11 @@ DEFAULT_WIDTH = 2048
 WIDEST = 8192
 
 
-def read_world(world: bpy.types.World | None, frame: int, notes: Notes) -> World:
+def read_world(world: bpy.types.World | None, frame: int, notes: Notes, may_render: bool = True) -> World:
     """The world as a constant colour or an equirectangular panorama.
 
-    An environment texture without mapping is read as it is; other nodes are rendered by Cycles, alone.
+    An environment texture without mapping is read as it is; other nodes are rendered by Cycles, alone,
+    or replaced by the world's viewport colour where that must not be (`may_render` False).
     `world` may be evaluated; `frame` is the scene's frame.
     """
     if world is None:
@@ -42,6 +43,12 @@ def read_world(world: bpy.types.World | None, frame: int, notes: Notes) -> World
     if any(node.bl_idname == "ShaderNodeLightPath" for node in all_nodes(tree)):
         notes.add(f'world "{world.name}"', "a Light Path node is not supported; the world is what the camera sees")
     plain = _plain(found, notes) if found.node.bl_idname == "ShaderNodeBackground" else None
+    if plain is None and not may_render:
+        notes.add(
+            f'world "{world.name}"',
+            "only Cycles can draw its nodes: show the scene in Rendered mode first; its viewport colour is used",
+        )
+        return World(tuple(world.color))
     return plain or World(panorama=render_panorama(world.original, frame, _width(tree)))
 
 

@@ -6,6 +6,7 @@ from statistics import median
 from time import perf_counter
 
 from .context import require
+from .finish import finish
 
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software")
 
@@ -43,13 +44,14 @@ class Stopwatch:
 
     @contextmanager
     def _clocked(self, times: list[Callable[[], float]]) -> Iterator[None]:
-        self._context.finish()
+        finish()
         start = perf_counter()
         yield
-        self._context.finish()
+        finish()
         elapsed = 1e3 * (perf_counter() - start)
         times.append(lambda: elapsed)
 
     def medians(self) -> dict[str, float]:
         """Median milliseconds of each stage. The first time of several, a warm-up, is not counted."""
+        finish()
         return {name: median(time() for time in times[len(times) > 1 :]) for name, times in self._times.items()}

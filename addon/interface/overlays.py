@@ -1,29 +1,37 @@
-"""What a viewport may show in place of the picture."""
+"""What a viewport may show: the picture, or what is known of it. Colours are scene-linear and opaque."""
 
 import numpy as np
 
-from ..methods.studio import Picture
+from ..methods.studio import Develop
 
+_LARGEST_HALF = 65504.0
 _FAR = 1e29
 
 
-def colored(picture: Picture, overlay: str) -> np.ndarray:
-    """(H, W, 4) float32 scene-linear, opaque: the picture, or what `overlay` (see `properties`) tells of it."""
-    shown = picture.pixels.copy()
-    reflectors = shown[..., 3].copy()
+def picture(color: np.ndarray, distance: np.ndarray) -> np.ndarray:
+    """The picture itself, as far as half floats reach."""
+    shown = np.minimum(color, _LARGEST_HALF)
     shown[..., 3] = 1.0
-    if overlay == "REFLECTORS":
-        shown[..., :3] = shown[..., :3] * 0.2 + reflectors[..., None] * np.float32([0.05, 0.6, 0.1])
-    elif overlay == "DISTANCE":
-        shown[..., :3] = _distances(picture.distance)
     return shown
 
 
-def _distances(distance: np.ndarray) -> np.ndarray:
-    """Grey by distance over its median, from white at the surface to black far off; the world blue, no mirror black."""
+def reflectors(color: np.ndarray, distance: np.ndarray) -> np.ndarray:
+    """Where a reflector shows: green over the darkened picture."""
+    shown = picture(color, distance)
+    shown[..., :3] = shown[..., :3] * 0.2 + color[..., 3:] * np.float32([0.05, 0.6, 0.1])
+    return shown
+
+
+def hit_distance(color: np.ndarray, distance: np.ndarray) -> np.ndarray:
+    """How far off is what a mirror shows: white at its surface, grey at the median, black far away, the world blue."""
     met = (distance > 0.0) & (distance < _FAR)
     middle = float(np.median(distance[met])) if met.any() else 1.0
-    colors = np.zeros((*distance.shape, 3), np.float32)
-    colors[met] = (middle / (middle + distance[met]))[:, None]
-    colors[distance >= _FAR] = (0.0, 0.05, 0.3)
-    return colors
+    shown = np.zeros_like(color)
+    shown[met, :3] = (middle / (middle + distance[met]))[:, None]
+    shown[distance >= _FAR, :3] = (0.0, 0.05, 0.3)
+    shown[..., 3] = 1.0
+    return shown
+
+
+DEVELOPS: dict[str, Develop] = {"PICTURE": picture, "REFLECTORS": reflectors, "DISTANCE": hit_distance}
+"""By the identifiers of the setting."""

@@ -18,7 +18,7 @@ LIGHTINGS = (
     (Lighting.CYCLES.value, "Lightmaps", "Diffuse light baked by Cycles, as games do", 2),
 )
 OVERLAYS = (
-    ("NONE", "Picture", "The picture itself", 0),
+    ("PICTURE", "Picture", "The picture itself", 0),
     ("REFLECTORS", "Reflectors", "Where a reflector shows, in green", 1),
     ("DISTANCE", "Hit distance", "How far away is what a mirror shows: near is bright, the world is blue", 2),
 )
@@ -61,7 +61,10 @@ _SETTINGS = {name: _settings_class(method) for name, method in METHODS.items()}
 
 
 def _method_items() -> list[tuple[str, str, str, int]]:
-    return [(name, name.replace("-", " ").title(), method.source, number) for number, (name, method) in enumerate(METHODS.items())]
+    return [
+        (name, name.replace("-", " ").title(), method.source, number)
+        for number, (name, method) in enumerate(METHODS.items())
+    ]
 
 
 class MethodSettings(bpy.types.PropertyGroup):
@@ -79,7 +82,11 @@ class SceneSettings(bpy.types.PropertyGroup):
     """How a scene's reflections are drawn."""
 
     method: bpy.props.EnumProperty(
-        name="Method", items=_method_items(), default=DEFAULT_METHOD, update=_redraw, description="How reflections are drawn"
+        name="Method",
+        items=_method_items(),
+        default=DEFAULT_METHOD,
+        update=_redraw,
+        description="How reflections are drawn",
     )
     methods: bpy.props.PointerProperty(type=MethodSettings)
     lighting: bpy.props.EnumProperty(
@@ -90,7 +97,7 @@ class SceneSettings(bpy.types.PropertyGroup):
         description="Where the light of a surface comes from",
     )
     overlay: bpy.props.EnumProperty(
-        name="Overlay", items=OVERLAYS, default="NONE", update=_redraw, description="What the viewport shows instead"
+        name="Overlay", items=OVERLAYS, default="PICTURE", update=_redraw, description="What the viewport shows instead"
     )
     samples: bpy.props.EnumProperty(
         name="Samples",

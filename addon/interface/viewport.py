@@ -1,6 +1,7 @@
 """One viewport: asks the studio for pictures of its own camera, and copies the newest one to the screen."""
 
 import time
+from dataclasses import replace
 
 import bpy
 import gpu
@@ -8,12 +9,10 @@ import numpy as np
 from gpu_extras.presets import draw_texture_2d
 
 from ..methods.contract import View
-from ..methods.studio import Picture
+from ..methods.studio import Develop, Picture
 from ..scene import Camera
-from .overlays import colored
+from .overlays import DEVELOPS
 from .stages import Stage, wait_for_news
-
-_LARGEST_HALF = 65504.0
 
 
 class Viewport:
@@ -21,7 +20,7 @@ class Viewport:
 
     def __init__(self) -> None:
         self._stage: Stage | None = None
-        self._shown: tuple[Picture, str] | None = None
+        self._shown: Picture | None = None
         self._texture: gpu.types.GPUTexture | None = None
         self.copy_ms = 0.0
 
@@ -31,16 +30,15 @@ class Viewport:
             self.close()
             self._stage = stage
         scene, region = context.scene, context.region
-        stage.viewers[region.as_pointer()] = self
         settings = scene.catoptric
-        self._ask(_view(context, int(settings.scale)), int(settings.samples))
+        stage.viewers[region.as_pointer()] = self
+        self._ask(_view(context, int(settings.scale)), int(settings.samples), DEVELOPS[settings.overlay])
         picture = stage.studio.picture(self)
         if picture is None:
             return
         start = time.perf_counter()
-        if self._shown != (picture, settings.overlay):
-            self._texture = _texture(colored(picture, settings.overlay))
-            self._shown = (picture, settings.overlay)
+        if self._shown is not picture:
+            self._texture, self._shown = _texture(picture.pixels), picture
         gpu.state.blend_set("ALPHA_PREMULT")
         engine.bind_display_space_shader(scene)
         draw_texture_2d(self._texture, (0, 0), region.width, region.height)
@@ -48,13 +46,14 @@ class Viewport:
         gpu.state.blend_set("NONE")
         self.copy_ms = 1e3 * (time.perf_counter() - start)
 
-    def _ask(self, view: View, samples: int) -> None:
+    def _ask(self, view: View, samples: int, develop: Develop) -> None:
         """A sample a pixel while anything moves, then a smooth picture."""
         picture = self._stage.studio.picture(self)
-        if picture is None or picture.act != self._stage.act or not _same_place(picture.view, view):
-            self._stage.studio.look(self, view)
+        is_new = picture is not None and (picture.act, picture.develop) == (self._stage.act, develop)
+        if not is_new or not _same_place(picture.view, view):
+            self._stage.studio.look(self, view, develop)
         elif picture.view.samples < samples:
-            self._stage.studio.look(self, View(view.camera, view.width, view.height, samples))
+            self._stage.studio.look(self, replace(view, samples=samples), develop)
         else:
             return
         wait_for_news()
@@ -82,5 +81,5 @@ def _same_place(one: View, other: View) -> bool:
 
 def _texture(pixels: np.ndarray) -> gpu.types.GPUTexture:
     height, width = pixels.shape[:2]
-    data = gpu.types.Buffer("FLOAT", pixels.size, np.minimum(pixels, _LARGEST_HALF).ravel())
+    data = gpu.types.Buffer("FLOAT", pixels.size, pixels)
     return gpu.types.GPUTexture((width, height), format="RGBA16F", data=data)

@@ -15,19 +15,21 @@ from ..scene import Lighting, Scene
 from .contract import Method, View
 from .registry import named
 
+Develop = Callable[[np.ndarray, np.ndarray], np.ndarray]
+"""From what a `Canvas` holds, its colour and distance (`Canvas.pixels`), to the pixels that a viewer wants."""
+
 _log = logging.getLogger(__name__)
 
 
 @dataclass(frozen=True, eq=False)
 class Picture:
-    """What a viewer sees: `pixels` (H, W, 4) float32, row 0 at the bottom, scene-linear, the reflectors'
-    share in alpha; `distance` (H, W) float32 as of a `Frame`, but 0 off the reflectors; of `view` and of the
-    `act`-th scene shown; `time_ms` by stage.
+    """What a viewer sees: `pixels` (H, W, 4) float32, row 0 at the bottom, as `develop` made them of a canvas;
+    of `view` and of the `act`-th scene shown; `time_ms` by stage.
     """
 
     pixels: np.ndarray
-    distance: np.ndarray
     view: View
+    develop: Develop
     act: int
     time_ms: dict[str, float]
 
@@ -58,7 +60,7 @@ class Studio:
         self._wanted: Act | None = None
         self._shown: Act | None = None
         self._asked = self._on_stage = 0
-        self._views: dict[Hashable, View] = {}
+        self._wishes: dict[Hashable, tuple[View, Develop]] = {}
         self._pictures: dict[Hashable, Picture] = {}
         self._canvases: dict[Hashable, Canvas] = {}
         self._method: Method | None = None
@@ -77,10 +79,10 @@ class Studio:
         self._go_on()
         return self._asked
 
-    def look(self, viewer: Hashable, view: View) -> None:
+    def look(self, viewer: Hashable, view: View, develop: Develop) -> None:
         """Have `viewer`'s picture drawn as soon as may be."""
         with self._lock:
-            self._views[viewer] = view
+            self._wishes[viewer] = view, develop
         self._go_on()
 
     def picture(self, viewer: Hashable) -> Picture | None:
@@ -90,7 +92,7 @@ class Studio:
     def leave(self, viewer: Hashable) -> None:
         """Draw no more for `viewer`."""
         with self._lock:
-            self._views.pop(viewer, None)
+            self._wishes.pop(viewer, None)
             self._pictures.pop(viewer, None)
         submit(self._drop_canvas, viewer)
 
@@ -99,7 +101,7 @@ class Studio:
         with self._lock:
             self._closed = True
             self._wanted = None
-            self._views.clear()
+            self._wishes.clear()
         call(self._release)
 
     def _go_on(self) -> None:
@@ -122,23 +124,23 @@ class Studio:
             _log.exception("the studio failed")
         finally:
             with self._lock:
-                drawable = bool(self._views) and self._method is not None
+                drawable = bool(self._wishes) and self._method is not None
                 self._working = more = not self._closed and (self._wanted is not None or drawable)
             if more:
                 submit(self._work)
             self._notify()
 
     def _step(self) -> None:
-        viewer = view = None
+        wish = None
         with self._lock:
             act, self._wanted, number = self._wanted, None, self._asked
-            if act is None and self._views and self._method:
-                viewer, view = self._views.popitem()
+            if act is None and self._wishes and self._method:
+                wish = self._wishes.popitem()
         if act:
             self._set(act)
             self._on_stage = number
-        elif view:
-            self._draw(viewer, view)
+        elif wish:
+            self._draw(wish[0], *wish[1])
 
     def _set(self, act: Act) -> None:
         """Put `act` on stage: by an update, if it is drawn as before."""
@@ -161,19 +163,18 @@ class Studio:
         self.stage, self.fraction = stage, fraction
         self._notify()
 
-    def _draw(self, viewer: Hashable, view: View) -> None:
+    def _draw(self, viewer: Hashable, view: View, develop: Develop) -> None:
         canvas = self._canvases.get(viewer)
         if canvas is None or canvas.size != (view.width, view.height):
             self._drop_canvas(viewer)
             canvas = self._canvases[viewer] = Canvas(view.width, view.height)
 
         def overtaken(stage: str, fraction: float) -> None:
-            if self._closed or (fraction > 0.0 and (viewer in self._views or self._wanted is not None)):
+            if self._closed or (fraction > 0.0 and (viewer in self._wishes or self._wanted is not None)):
                 raise Cancelled
 
         time_ms = self._method.paint(view, canvas, overtaken)
-        pixels, distance = canvas.pixels()
-        self._pictures[viewer] = Picture(pixels, distance, view, self._on_stage, time_ms)
+        self._pictures[viewer] = Picture(develop(*canvas.pixels()), view, develop, self._on_stage, time_ms)
 
     def _drop_canvas(self, viewer: Hashable) -> None:
         if viewer in self._canvases:
