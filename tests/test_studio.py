@@ -28,7 +28,7 @@ def stage(shift=0.0):
 
 
 def act(scene, method="layered-depth"):
-    return Act(scene, Lighting.UNLIT, method, {})
+    return Act(scene, Lighting.UNLIT, {scene.instances[0].name: (method, {})})
 
 
 def fresh(scene, view):

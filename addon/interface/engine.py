@@ -7,7 +7,7 @@ from ..blender.extract import extract
 from ..blender.extract_memo import Memo
 from ..errors import Cancelled, CatoptricError
 from ..methods.contract import Frame, View
-from ..methods.registry import named
+from ..methods.mixed import Mixed
 from ..progress import Progress
 from ..scene import Lighting
 from . import stages
@@ -67,7 +67,7 @@ class CatoptricEngine(bpy.types.RenderEngine):
         found = extract(scene, depsgraph, progress=self._report(0.0, 0.3), memo=memo)
         for warning in found.warnings:
             self.report({"WARNING"}, warning)
-        method = named(settings.method)(settings.methods.values(settings.method))
+        method = Mixed(stages.assignment(scene, found))
         try:
             method.prepare(found, Lighting(settings.lighting), self._report(0.3, 0.6))
             view = View(found.camera, *found.resolution, int(settings.samples))

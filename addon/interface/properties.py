@@ -4,13 +4,14 @@ from collections.abc import Mapping
 
 import bpy
 
+from ..blender.extract import REFLECTOR_PROPERTY
 from ..methods.contract import Method
+from ..methods.mixed import AUTO
 from ..methods.registry import METHODS
 from ..parameters import Parameter, Value
 from ..scene import Lighting
 from . import stages
-
-DEFAULT_METHOD = "layered-depth"
+from .choices import OF_SCENE
 
 LIGHTINGS = (
     (Lighting.UNLIT.value, "Unlit", "Colours alone: tests the geometry of the reflection", 0),
@@ -78,15 +79,35 @@ class MethodSettings(bpy.types.PropertyGroup):
         return {parameter.name: getattr(group, parameter.name) for parameter in METHODS[method].parameters}
 
 
+REFLECTS = (
+    ("AUTO", "By material", "A reflector if its material is a clear mirror: metallic or glossy, and smooth", 0),
+    ("YES", "Always", "A reflector, if its material reflects at all", 1),
+    ("NO", "Never", "No reflector, whatever its material", 2),
+)
+
+
+def _get_reflects(settings: bpy.types.PropertyGroup) -> int:
+    value = settings.id_data.get(REFLECTOR_PROPERTY)
+    return 0 if value is None else 1 if value else 2
+
+
+def _set_reflects(settings: bpy.types.PropertyGroup, number: int) -> None:
+    """The choice lies in the custom property, which counts without the add-on as well."""
+    if number == 0:
+        settings.id_data.pop(REFLECTOR_PROPERTY, None)
+    else:
+        settings.id_data[REFLECTOR_PROPERTY] = number == 1
+
+
 class SceneSettings(bpy.types.PropertyGroup):
     """How a scene's reflections are drawn."""
 
     method: bpy.props.EnumProperty(
         name="Method",
         items=_method_items(),
-        default=DEFAULT_METHOD,
+        default=AUTO,
         update=_redraw,
-        description="How reflections are drawn",
+        description="How reflections are drawn, on objects that have no method of their own",
     )
     methods: bpy.props.PointerProperty(type=MethodSettings)
     lighting: bpy.props.EnumProperty(
@@ -118,18 +139,40 @@ class SceneSettings(bpy.types.PropertyGroup):
     )
 
 
-_CLASSES = (*_SETTINGS.values(), MethodSettings, SceneSettings)
+class ObjectSettings(bpy.types.PropertyGroup):
+    """How an object reflects."""
+
+    reflects: bpy.props.EnumProperty(
+        name="Reflector",
+        items=REFLECTS,
+        get=_get_reflects,
+        set=_set_reflects,
+        update=_redraw,
+        description="Whether the object shows a mirror image",
+    )
+    method: bpy.props.EnumProperty(
+        name="Method",
+        items=[(OF_SCENE, "As the scene", "The method chosen for the whole scene", 100), *_method_items()],
+        default=OF_SCENE,
+        update=_redraw,
+        description="How this object's reflections are drawn",
+    )
+    methods: bpy.props.PointerProperty(type=MethodSettings)
+
+
+_CLASSES = (*_SETTINGS.values(), MethodSettings, SceneSettings, ObjectSettings)
 
 
 def register() -> None:
-    """Add the settings to every scene."""
+    """Add the settings to every scene and object."""
     for kind in _CLASSES:
         bpy.utils.register_class(kind)
     bpy.types.Scene.catoptric = bpy.props.PointerProperty(type=SceneSettings)
+    bpy.types.Object.catoptric = bpy.props.PointerProperty(type=ObjectSettings)
 
 
 def unregister() -> None:
     """Take them away again; what a file holds of them stays in it."""
-    del bpy.types.Scene.catoptric
+    del bpy.types.Scene.catoptric, bpy.types.Object.catoptric
     for kind in reversed(_CLASSES):
         bpy.utils.unregister_class(kind)

@@ -8,9 +8,12 @@ import numpy as np
 
 from ..blender.extract import extract
 from ..blender.extract_memo import Memo
+from ..blender.names import object_name
 from ..errors import CatoptricError
+from ..methods.mixed import Assignment
 from ..methods.studio import Act, Studio
-from ..scene import Camera, Lighting
+from ..scene import Camera, Lighting, Scene
+from .choices import method_of
 
 ENGINE = "CATOPTRIC"
 _POLL = 1.0 / 60.0
@@ -49,8 +52,13 @@ class Stage:
             self.problem = str(problem)
             return
         self.problem, self.warnings = "", found.warnings
-        act = Act(found, Lighting(settings.lighting), settings.method, settings.methods.values(settings.method))
-        self.act = self.studio.show(act)
+        self.act = self.studio.show(Act(found, Lighting(settings.lighting), assignment(scene, found)))
+
+
+def assignment(bpy_scene: bpy.types.Scene, scene: Scene) -> Assignment:
+    """The method of every reflector of `scene`, extracted from `bpy_scene`, as its object or the scene has it."""
+    reflectors = [scene.instances[index].name for index in scene.reflectors]
+    return {name: method_of(bpy_scene, bpy.data.objects.get(object_name(name))) for name in reflectors}
 
 
 _ANYWHERE = np.eye(4)  # viewports bring their own cameras

@@ -1,7 +1,7 @@
 """A scene that is drawn again and again for those who look at it, while nobody waits."""
 
 import logging
-from collections.abc import Callable, Hashable, Mapping
+from collections.abc import Callable, Hashable
 from dataclasses import dataclass
 from threading import Lock
 
@@ -10,10 +10,10 @@ import numpy as np
 from ..drawing import Canvas
 from ..errors import Cancelled, CatoptricError
 from ..gl import call, submit
-from ..parameters import Value
 from ..scene import Lighting, Scene
-from .contract import Method, View
-from .registry import named
+from .auto import Choice
+from .contract import View
+from .mixed import Assignment, Mixed
 
 Develop = Callable[[np.ndarray, np.ndarray], np.ndarray]
 """From what a `Canvas` holds, its colour and distance (`Canvas.pixels`), to the pixels that a viewer wants."""
@@ -36,16 +36,18 @@ class Picture:
 
 @dataclass(frozen=True, eq=False)
 class Act:
-    """What is on stage: a scene under a light, drawn by a method."""
+    """What is on stage: a scene under a light, each reflector drawn by a method."""
 
     scene: Scene
     lighting: Lighting
-    method: str
-    settings: Mapping[str, Value]
+    assignment: Assignment
 
 
 class Studio:
     """Draws the newest scene for any number of viewers, on the GL thread.
+
+    `problem` is what went wrong last, `stage` and `fraction` how far a bake is, `choices` which method
+    draws each reflector, and why.
 
     Every call returns at once. A wish that is overtaken by a newer one is dropped, or stopped between two
     samples. `notify` is called, on the GL thread, whenever there is something new to look at.
@@ -55,6 +57,7 @@ class Studio:
         """Begin with an empty stage."""
         self.problem = ""
         self.stage, self.fraction = "", 1.0
+        self.choices: dict[str, Choice] = {}
         self._notify = notify
         self._lock = Lock()
         self._wanted: Act | None = None
@@ -63,7 +66,7 @@ class Studio:
         self._wishes: dict[Hashable, tuple[View, Develop]] = {}
         self._pictures: dict[Hashable, Picture] = {}
         self._canvases: dict[Hashable, Canvas] = {}
-        self._method: Method | None = None
+        self._method: Mixed | None = None
         self._working = self._closed = False
 
     @property
@@ -143,17 +146,20 @@ class Studio:
             self._draw(wish[0], *wish[1])
 
     def _set(self, act: Act) -> None:
-        """Put `act` on stage: by an update, if it is drawn as before."""
+        """Put `act` on stage, with as little new work as may be."""
         before, self._shown = self._shown, None
-        if before and self._method and _drawn_alike(before, act):
+        if before and self._method and before.lighting is act.lighting:
+            if before.assignment != act.assignment:
+                self._method.assign(act.assignment, self._report)
             self._method.update(act.scene, self._report)
         else:
-            method = named(act.method)(act.settings)
+            method = Mixed(act.assignment)
             method.prepare(act.scene, act.lighting, self._report)
             if self._method:
                 self._method.release()
             self._method = method
         self._shown, self.problem = act, ""
+        self.choices = dict(self._method.choices)
         self.stage, self.fraction = "", 1.0
 
     def _report(self, stage: str, fraction: float) -> None:
@@ -186,7 +192,3 @@ class Studio:
         if self._method:
             self._method.release()
         self._method = None
-
-
-def _drawn_alike(one: Act, other: Act) -> bool:
-    return (one.lighting, one.method, dict(one.settings)) == (other.lighting, other.method, dict(other.settings))
