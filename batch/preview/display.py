@@ -36,6 +36,7 @@ class Display:
         context.viewport = (0, 0, *size)
         context.enable_only(moderngl.NOTHING)
         for unit, canvas in zip(_UNITS, (left, right or left), strict=True):
+            canvas.color.filter = (moderngl.LINEAR, moderngl.LINEAR)
             canvas.color.use(unit)
         uniforms = {
             "left_picture": _UNITS[0],

@@ -24,11 +24,15 @@ _DIM = imgui.ImVec4(0.65, 0.65, 0.65, 1.0)
 _RED = imgui.ImVec4(1.0, 0.35, 0.3, 1.0)
 
 
-def draw(session: Session, drawn: float | None) -> None:
-    """Ask for all panels. `drawn` is the distance that the method under the cursor draws, as `Painted` has it."""
+def draw(session: Session, drawn: float | None, interval: float) -> None:
+    """Ask for all panels.
+
+    `drawn` is the distance that the method under the cursor draws, as `Painted` has it; `interval` the seconds
+    from picture to picture.
+    """
     imgui.set_next_window_bg_alpha(0.8)
     if session.panel:
-        _panel(session, drawn)
+        _panel(session, drawn, interval)
     if session.help:
         _help()
     if session.workshop.busy:
@@ -36,7 +40,7 @@ def draw(session: Session, drawn: float | None) -> None:
     _status(session)
 
 
-def _panel(session: Session, drawn: float | None) -> None:
+def _panel(session: Session, drawn: float | None, interval: float) -> None:
     imgui.set_next_window_pos(imgui.ImVec2(_MARGIN, _MARGIN), imgui.Cond_.first_use_ever)
     imgui.begin(session.title + "###panel", None, _FIXED)
     imgui.push_item_width(190.0)
@@ -50,7 +54,7 @@ def _panel(session: Session, drawn: float | None) -> None:
     if changed:
         session.expose(stops)
     imgui.separator()
-    _times(session)
+    _times(session, interval)
     imgui.separator()
     _sight(session, drawn)
     imgui.pop_item_width()
@@ -107,7 +111,7 @@ def _light(session: Session) -> None:
     imgui.text_colored(_DIM, "light")
 
 
-def _times(session: Session) -> None:
+def _times(session: Session, interval: float) -> None:
     """A row for each stage, a column for each picture."""
     shop = session.workshop
     times = shop.painter.shown.times
@@ -127,7 +131,7 @@ def _times(session: Session) -> None:
         imgui.end_table()
     if session.pilot.is_moving:
         detail = "" if shop.scale == 1 else f", at 1/{shop.scale} of the resolution"
-        imgui.text(f"{1.0 / max(shop.seconds, 1e-4):.0f} pictures a second{detail}")
+        imgui.text(f"{1.0 / max(interval, 1e-4):.0f} pictures a second{detail}")
     else:
         imgui.text(f"at rest, {shop.samples**2} samples a pixel")
 

@@ -17,7 +17,8 @@ from .pilot import turn_per_pixel
 from .session import Session
 
 _BACKEND = "pyglet"
-_NAP = 1 / 60  # seconds between two looks for events, while there is nothing to do
+_FRAME = 1 / 60  # seconds between two pictures of a progress bar, and between two looks for events
+_NAP = 1 / 20  # seconds between two looks for events, when there have been none for a second
 _LONGEST_STEP = 0.25  # seconds that a flight goes on for at once
 _AFTERGLOW = 3  # frames after an event: Dear ImGui shows some of its changes a frame late
 _GRIP = 8.0  # pixels around the line of the split view
@@ -63,6 +64,7 @@ class Preview:
         self._grip: Callable[[float, float, float, float], None] | None = None
         self._fresh = _AFTERGLOW
         self._drawn_at = time.perf_counter()
+        self._interval = _FRAME
         self._seen_at: object = None
         self._hit: float | None = None
         session.workshop.pump = self._pump
@@ -90,6 +92,7 @@ class Preview:
                 before = now
         finally:
             self._session.workshop.release()
+            self._window.close()
 
     def _live(self, seconds: float) -> None:
         session = self._session
@@ -97,13 +100,13 @@ class Preview:
         moved = session.pilot.is_moving or session.pilot.recorder is not None
         session.pilot.advance(seconds)
         if session.work() or moved:
-            self._fresh = max(self._fresh, 1)
+            self._fresh = _AFTERGLOW
         else:
             self._see()
         if self._fresh:
             self._draw()
         else:
-            time.sleep(_NAP)
+            time.sleep(_FRAME if time.perf_counter() - self._drawn_at < 1.0 else _NAP)
             for window in pyglet.app.windows:
                 window.dispatch_events()
 
@@ -111,7 +114,7 @@ class Preview:
         """The window's life while something takes long. Raises `Cancelled` once it is closed."""
         if self._window.is_closing:
             raise Cancelled
-        if time.perf_counter() - self._drawn_at > _NAP:
+        if time.perf_counter() - self._drawn_at > _FRAME:
             self._draw()
 
     def _draw(self) -> None:
@@ -125,8 +128,9 @@ class Preview:
         else:
             screen.use()
             screen.clear()
+        self._interval += 0.2 * (now - self._drawn_at - self._interval)
         self._interface.begin(now - self._drawn_at)
-        hud.draw(session, self._hit)
+        hud.draw(session, self._hit, self._interval)
         self._interface.end()
         self._drawn_at = now
         self._window.swap_buffers()
@@ -139,7 +143,7 @@ class Preview:
         now = (place, session.pilot.camera, shop.settled, shop.scale, shop.samples, session.look.split)
         if now == self._seen_at:
             return
-        self._seen_at, self._fresh = now, max(self._fresh, 1)
+        self._seen_at, self._fresh = now, _AFTERGLOW
         session.see(place)
         shown = shop.painter.shown
         if place and shown.canvases:
@@ -166,7 +170,7 @@ class Preview:
         if not down:
             self._session.release(name)
         elif name == "q" and modifiers.ctrl:
-            self._window.close()
+            self._window.is_closing = True  # closed only when nobody draws in it any more
         elif not (modifiers.ctrl or modifiers.alt or self._interface.wants_text):
             self._session.press(name, modifiers.shift)
 

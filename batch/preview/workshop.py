@@ -14,7 +14,7 @@ from .prepared import Choice, Prepared
 FINE = 4
 """Samples to the side of a pixel, once the camera rests."""
 
-_FLUENT = 0.05  # seconds for a picture in flight; its resolution is halved until it takes no longer
+_SLOW, _QUICK = 1 / 15, 1 / 65  # seconds for a picture in flight, when it is painted coarser, or finer again
 _COARSEST = 4
 
 
@@ -85,11 +85,9 @@ class Workshop:
 
     def _fluent_scale(self) -> int:
         """By what a picture's sides are divided, so that flying stays fluent."""
-        whole = self.seconds * self.scale**2
-        scale = 1
-        while scale < _COARSEST and whole / scale**2 > _FLUENT:
-            scale *= 2
-        return scale
+        if self.seconds > _SLOW:
+            return min(2 * self.scale, _COARSEST)
+        return max(1, self.scale // 2) if self.seconds < _QUICK else max(1, self.scale)
 
     def paint(self, subject: Subject, scale: int, samples: int, is_wanted: Callable[[], bool]) -> None:
         """Paint the picture, unless it is no longer wanted before it is done."""
