@@ -24,7 +24,7 @@ BINDINGS = (
     Binding((), "drag", "look around; on the line of the split view: move it"),
     Binding((), "wheel", "fly faster or slower from now on"),
     Binding(("home",), "Home", "back to the scene's camera", "pilot.go_home"),
-    Binding(DIGITS, "1 … 9", "this method; with Shift: in the right half of the split view"),
+    Binding(DIGITS, "1 … 9", "this method; with Ctrl: in the right half of the split view"),
     Binding(("v",), "V", "split view, on and off", "toggle_split"),
     Binding(("tab",), "Tab", "swap the two halves", "swap"),
     Binding(("l",), "L", "next light: unlit, direct, and cycles where the scene holds lightmaps", "next_lighting"),

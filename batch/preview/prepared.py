@@ -3,14 +3,16 @@
 from collections.abc import Mapping
 from dataclasses import dataclass
 
-from ...addon.gl import require
+from ...addon.errors import Cancelled
 from ...addon.methods.contract import Method
-from ...addon.methods.registry import METHODS, named
+from ...addon.methods.mixed import Mixed
+from ...addon.methods.registry import named
 from ...addon.parameters import Value
 from ...addon.progress import Progress
 from ...addon.scene import Lighting, Scene
 
 _KEPT = 4
+_REMARKS = 3
 
 
 @dataclass(frozen=True)
@@ -42,9 +44,12 @@ class Prepared:
         """
         method = self._methods.pop(choice, None)
         if method is None:
-            require().gc()  # what preparations that were stopped have left
             method = named(choice.method)(dict(choice.settings))
-            method.prepare(self._scene, choice.lighting, progress)
+            try:
+                method.prepare(self._scene, choice.lighting, progress)
+            except Cancelled:
+                method.release()
+                raise
         self._methods[choice] = method
         while len(self._methods) > _KEPT:
             self._methods.pop(next(iter(self._methods))).release()
@@ -54,11 +59,15 @@ class Prepared:
         """Whether `get` would cost nothing."""
         return choice in self._methods
 
-    def advice(self, method: str) -> str | None:
-        """Why the method cannot draw some reflector of the scene, as a sentence, or None."""
-        reflectors = (self._scene.instances[index] for index in self._scene.reflectors)
-        reasons = (METHODS[method].applies_to(self._scene, reflector) for reflector in reflectors)
-        return next((reason for reason in reasons if reason), None)
+    def remarks(self, choice: Choice) -> str:
+        """What is to be said of a prepared method here: which reflectors it cannot draw, or draws by which method."""
+        method = self._methods[choice]
+        reflectors = [self._scene.instances[index] for index in self._scene.reflectors]
+        remarks = [method.applies_to(self._scene, reflector) for reflector in reflectors]
+        if isinstance(method, Mixed):
+            remarks = [f"{name} by {chosen.method}: {chosen.reason}" for name, chosen in method.choices.items()]
+        said = list(dict.fromkeys(filter(None, remarks)))
+        return "\n".join([*said[:_REMARKS], *(["…"] if len(said) > _REMARKS else [])])
 
     def release(self) -> None:
         """Give the GPU memory back."""

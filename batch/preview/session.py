@@ -63,11 +63,11 @@ class Session:
 
     # What a person does
 
-    def press(self, key: str, shift: bool = False) -> None:
+    def press(self, key: str, control: bool = False) -> None:
         """A key, by its name in `keys`, goes down."""
         self.pilot.held.add(key)
         if key in DIGITS:
-            self.choose(DIGITS.index(key), right=shift)
+            self.choose(DIGITS.index(key), right=control)
         elif key in ("-", "="):
             self.expose(self.look.exposure + (0.5 if key == "=" else -0.5))
         elif key in ACTIONS:

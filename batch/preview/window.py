@@ -81,6 +81,8 @@ class Preview:
         window.mouse_scroll_event_func = self._on_scroll
         window.resize_func = self._woken(lambda width, height: None)
         window.iconify_func = self._woken(lambda iconified: None)
+        for ours in pyglet.app.windows:  # moderngl-window does not tell
+            ours.push_handlers(on_deactivate=self._session.pilot.held.clear)
 
     def run(self) -> None:
         """Live until the window closes."""
@@ -171,8 +173,8 @@ class Preview:
             self._session.release(name)
         elif name == "q" and modifiers.ctrl:
             self._window.is_closing = True  # closed only when nobody draws in it any more
-        elif not (modifiers.ctrl or modifiers.alt or self._interface.wants_text):
-            self._session.press(name, modifiers.shift)
+        elif not self._interface.wants_text:
+            self._session.press(name, modifiers.ctrl)
 
     def _on_move(self, x, y, dx, dy) -> None:
         self._fresh = _AFTERGLOW

@@ -74,7 +74,7 @@ class Workshop:
         for choice in look.choices:
             self.prepared.get(choice, progress)
         self.settled, self._painted = look, None
-        return next(filter(None, (self.prepared.advice(choice.method) for choice in look.choices)), "")
+        return "\n".join(filter(None, (self.prepared.remarks(choice) for choice in look.choices)))
 
     def next_picture(self, subject: Subject, is_moving: bool) -> tuple[int, int] | None:
         """(scale, samples) of the picture to paint now: coarse in flight, then whole, then smooth; None if none."""
