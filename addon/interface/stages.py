@@ -25,12 +25,17 @@ class Stage:
     def __init__(self, scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> None:
         self.studio = Studio(_news.set)
         self.memo = Memo()
-        self.warnings: tuple[str, ...] = ()
+        self.found: Scene | None = None
         self.problem = ""
         self.act = 0
         self.viewers: dict[int, Hashable] = {}
         self._scene, self._layer = scene.session_uid, layer.name
         self.stale = True
+
+    @property
+    def warnings(self) -> tuple[str, ...]:
+        """What the last reading could not carry over."""
+        return self.found.warnings if self.found else ()
 
     def told(self, depsgraph: bpy.types.Depsgraph) -> None:
         """Take note of what has changed; it is read soon, not in the middle of Blender's drawing."""
@@ -51,7 +56,7 @@ class Stage:
         except CatoptricError as problem:
             self.problem = str(problem)
             return
-        self.problem, self.warnings = "", found.warnings
+        self.problem, self.found = "", found
         self.act = self.studio.show(Act(found, Lighting(settings.lighting), assignment(scene, found)))
 
 
