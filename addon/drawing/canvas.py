@@ -13,26 +13,35 @@ class Canvas:
     """The targets of a picture of `width` × `height` pixels, kept from frame to frame. Lives on the GL thread.
 
     `color` holds radiance, its alpha the share of the pixel that shows a reflector; `distance` metres from
-    the reflector to what the pixel's centre sees in it. Passes add: `picture` takes the colour of a sample,
-    `centre` that of the sample at the pixel's centre, and its distance.
+    the reflector to what the pixel's centre sees in it. Passes add: `light` takes what needs no reflection,
+    `picture` the reflections of a sample, `centre` those of the one at the pixel's centre, with its distance.
     """
 
-    def __init__(self, width: int, height: int) -> None:
-        """Raises `UsageError` for a size that makes no sense, `MachineError` for one that the GPU does not draw."""
+    def __init__(self, width: int, height: int, apart: bool = False) -> None:
+        """`apart` keeps the reflections by themselves as well, in `reflection`.
+
+        Raises `UsageError` for a size that makes no sense, `MachineError` for one that the GPU does not draw.
+        """
         _check_size(width, height)
         context = require()
         self.size = (width, height)
         self.visibility = Visibility(width, height)
         self.color = context.texture(self.size, 4, dtype="f4")
         self.distance = context.texture(self.size, 1, dtype="f4")
-        self.picture = context.framebuffer([self.color], self.visibility.parts)
-        self.centre = context.framebuffer([self.color, self.distance], self.visibility.parts)
-        for target in (self.picture, self.centre):
+        self.reflection = context.texture(self.size, 4, dtype="f4") if apart else None
+        self._spare = context.texture(self.size, 1, dtype="f4") if apart else None  # distances that count for nothing
+        kept = [texture for texture in (self._spare, self.reflection) if texture]
+        # A pass must write all that its target holds.
+        self.light = context.framebuffer([self.color], self.visibility.parts)
+        self.picture = context.framebuffer([self.color, *kept], self.visibility.parts)
+        self.centre = context.framebuffer([self.color, self.distance, *kept[1:]], self.visibility.parts)
+        for target in (self.light, self.picture, self.centre):
             target.depth_mask = False  # neither a pass nor a clear may wipe the parts
 
     def clear(self) -> None:
         """Wipe colour and distance."""
-        self.centre.clear()
+        for target in (self.centre, self.picture):
+            target.clear()
 
     def pixels(self) -> tuple[np.ndarray, np.ndarray]:
         """`color` (H, W, 4) and `distance` (H, W) as they are: row 0 at the bottom, 0 off the reflectors."""
@@ -47,10 +56,23 @@ class Canvas:
         distance = np.where(distance > 0.0, distance, np.nan)
         return color[..., :3].copy(), color[..., 3].copy(), distance.astype(np.float32)
 
+    def read_reflection(self) -> np.ndarray:
+        """(H, W, 3) float32, row 0 the top: what the reflections add to the colour; for a canvas that keeps them."""
+        width, height = self.size
+        return np.frombuffer(self.reflection.read(), np.float32).reshape(height, width, 4)[::-1, :, :3].copy()
+
+    def read_instances(self) -> np.ndarray:
+        """(H, W) int64, row 0 the top: the instance that the last sample of each pixel shows, -1 for the world."""
+        width, height = self.size
+        seen = np.frombuffer(self.visibility.texture.read(), np.uint32).reshape(height, width, 2)
+        return seen[::-1, :, 0].astype(np.int64) - 1
+
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self.picture, self.centre, self.color, self.distance, self.visibility):
-            part.release()
+        for part in (self.light, self.picture, self.centre, self.color, self.distance, self.reflection, self._spare):
+            if part:
+                part.release()
+        self.visibility.release()
 
 
 def _check_size(width: int, height: int) -> None:

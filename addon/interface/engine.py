@@ -3,14 +3,9 @@
 import bpy
 import numpy as np
 
-from ..blender.extract import extract
-from ..blender.extract_memo import Memo
 from ..errors import Cancelled, CatoptricError
-from ..methods.contract import Frame, View
-from ..methods.mixed import Mixed
-from ..progress import Progress
-from ..scene import Lighting
 from . import stages
+from .final import PASSES, final_passes
 from .viewport import Viewport
 
 
@@ -45,67 +40,34 @@ class CatoptricEngine(bpy.types.RenderEngine):
 
     def update_render_passes(self, scene: bpy.types.Scene, renderlayer: bpy.types.ViewLayer) -> None:
         """What the compositor may ask for."""
-        for name, channels, kind in _PASSES:
+        for name, channels, kind in PASSES:
             self.register_pass(scene, renderlayer, name, len(channels), channels, kind)
 
     def render(self, depsgraph: bpy.types.Depsgraph) -> None:
         """F12: the scene's camera, at the samples of the settings."""
         try:
-            frame = self._frame(depsgraph)
+            passes = final_passes(depsgraph, self._report, lambda line: self.report({"WARNING"}, line))
         except Cancelled:
             return
         except CatoptricError as problem:
             self.error_set(str(problem))
             return
-        self._write(frame)
-
-    def _frame(self, depsgraph: bpy.types.Depsgraph) -> Frame:
-        scene = depsgraph.scene.original
-        settings = scene.catoptric
-        stage = stages.known(scene, depsgraph.view_layer)
-        memo = Memo(world=stage.memo.world if stage else None, may_render=False)
-        found = extract(scene, depsgraph, progress=self._report(0.0, 0.3), memo=memo)
-        for warning in found.warnings:
-            self.report({"WARNING"}, warning)
-        method = Mixed(stages.assignment(scene, found))
-        try:
-            method.prepare(found, Lighting(settings.lighting), self._report(0.3, 0.6))
-            view = View(found.camera, *found.resolution, int(settings.samples))
-            return method.render(view, self._report(0.6, 1.0))
-        finally:
-            method.release()
-
-    def _report(self, start: float, end: float) -> Progress:
-        def report(stage: str, fraction: float) -> None:
-            if self.test_break():
-                raise Cancelled
-            self.update_stats("Catoptric", stage)
-            self.update_progress(start + (end - start) * fraction)
-
-        return report
-
-    def _write(self, frame: Frame) -> None:
-        """Hand the passes to Blender, whose row 0 is at the bottom."""
-        height, width = frame.reflectors.shape
-        opaque = np.ones((height, width, 1), np.float32)
-        distance = np.nan_to_num(frame.distance, nan=0.0, posinf=_FAR)
-        written = {
-            "Combined": np.concatenate([frame.color, opaque], axis=2),
-            "Reflectors": frame.reflectors,
-            "Hit Distance": distance,
-        }
+        height, width = passes["Combined"].shape[:2]
         result = self.begin_result(0, 0, width, height)
-        passes = result.layers[0].passes
-        for name, values in written.items():
-            if name in passes:
-                passes[name].rect.foreach_set(np.ascontiguousarray(values[::-1], np.float32).ravel())
+        written = result.layers[0].passes
+        for name, values in passes.items():
+            if name in written:
+                # Blender's row 0 is at the bottom.
+                written[name].rect.foreach_set(np.ascontiguousarray(values[::-1], np.float32).ravel())
         self.end_result(result)
 
+    def _report(self, stage: str, fraction: float) -> None:
+        if self.test_break():
+            raise Cancelled
+        self.update_stats("Catoptric", stage)
+        self.update_progress(fraction)
 
-_FAR = 1e10
-"""What Blender's own Depth pass has where there is nothing."""
 
-_PASSES = (("Combined", "RGBA", "COLOR"), ("Reflectors", "X", "VALUE"), ("Hit Distance", "X", "VALUE"))
 _CLASSES = (CatoptricEngine,)
 
 

@@ -159,7 +159,7 @@ class Ensemble:
             seen.mark_parts(self.resident)
         with watch.stage("light"):
             for drawn in (self._world, self._lit):
-                drawn.draw(view.camera, seen, canvas.picture, offset=offset, weight=weight)
+                drawn.draw(view.camera, seen, canvas.light, offset=offset, weight=weight)
         with watch.stage("reflection"):
             for group, method in enumerate(self._cast):
                 if method in self._ready:

@@ -6,6 +6,7 @@ uniform float weight;  // of this sample in the pixel
 
 layout(location = 0) out vec4 color;
 layout(location = 1) out float distance_to_hit;
+layout(location = 2) out vec4 reflection;  // `color` once more, where a target keeps it apart
 
 struct Mirrored {
     vec3 radiance;   // what the viewer sees in the surface, its reflectance counted in
@@ -22,6 +23,6 @@ void main() {
     Surface s = surface_at(hit, ray.direction);
     if (!s.reflects) discard;
     Mirrored mirrored = mirrored_light(s, ray.direction);
-    color = weight * vec4(mirrored.radiance, 0.0);
+    reflection = color = weight * vec4(mirrored.radiance, 0.0);
     distance_to_hit = mirrored.distance;
 }
