@@ -17,8 +17,8 @@ from .stage import looking, mesh_of, placed, scene_of
 SIZE = (48, 32)
 
 
-def plain(color, distance):
-    return color
+def plain(canvas, resident, view):
+    return canvas.pixels()[0]
 
 
 def stage(shift=0.0):

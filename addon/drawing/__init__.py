@@ -1,6 +1,7 @@
 """The Scene on the GPU: laid out as tables, uploaded, rasterised and lit."""
 
 from .canvas import Canvas
+from .layer_view import layer_view
 from .passes import ScreenPass
 from .resident import FREE_UNIT, Resident
 from .tables import first_triangles, world_box
@@ -14,6 +15,7 @@ __all__ = [
     "ScreenPass",
     "Visibility",
     "first_triangles",
+    "layer_view",
     "world_box",
     "world_to_clip",
 ]

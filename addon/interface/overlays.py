@@ -1,37 +1,70 @@
-"""What a viewport may show: the picture, or what is known of it. Colours are scene-linear and opaque."""
+"""What a viewport may show: the picture, or what is known of it.
+
+Each is (H, W, 4) float32, scene-linear and opaque, row 0 at the bottom.
+"""
 
 import numpy as np
 
+from ..baking.regions import region_view
+from ..drawing import Canvas, Resident, layer_view
+from ..methods.contract import View
 from ..methods.studio import Develop
 
 _LARGEST_HALF = 65504.0
 _FAR = 1e29
+_RAMP = np.float32(
+    [[0, 0, 0], [0.02, 0.05, 0.4], [0.02, 0.35, 0.35], [0.1, 0.5, 0.05], [0.7, 0.6, 0.02], [0.7, 0.08, 0.02]]
+)
+"""For 0 (the world) to 5 layers and more."""
 
 
-def picture(color: np.ndarray, distance: np.ndarray) -> np.ndarray:
+def picture(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
     """The picture itself, as far as half floats reach."""
-    shown = np.minimum(color, _LARGEST_HALF)
-    shown[..., 3] = 1.0
-    return shown
+    color, _ = canvas.pixels()
+    return _opaque(np.minimum(color[..., :3], _LARGEST_HALF))
 
 
-def reflectors(color: np.ndarray, distance: np.ndarray) -> np.ndarray:
+def reflectors(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
     """Where a reflector shows: green over the darkened picture."""
-    shown = picture(color, distance)
-    shown[..., :3] = shown[..., :3] * 0.2 + color[..., 3:] * np.float32([0.05, 0.6, 0.1])
-    return shown
+    color, _ = canvas.pixels()
+    dimmed = 0.2 * np.minimum(color[..., :3], 1.0)
+    return _opaque(dimmed + color[..., 3:] * np.float32([0.05, 0.6, 0.1]))
 
 
-def hit_distance(color: np.ndarray, distance: np.ndarray) -> np.ndarray:
+def hit_distance(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
     """How far off is what a mirror shows: white at its surface, grey at the median, black far away, the world blue."""
+    _, distance = canvas.pixels()
     met = (distance > 0.0) & (distance < _FAR)
     middle = float(np.median(distance[met])) if met.any() else 1.0
-    shown = np.zeros_like(color)
-    shown[met, :3] = (middle / (middle + distance[met]))[:, None]
-    shown[distance >= _FAR, :3] = (0.0, 0.05, 0.3)
-    shown[..., 3] = 1.0
-    return shown
+    shown = np.zeros((*distance.shape, 3), np.float32)
+    shown[met] = (middle / (middle + distance[met]))[:, None]
+    shown[distance >= _FAR] = (0.0, 0.05, 0.3)
+    return _opaque(shown)
 
 
-DEVELOPS: dict[str, Develop] = {"PICTURE": picture, "REFLECTORS": reflectors, "DISTANCE": hit_distance}
+def layers(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
+    """Layers of the layered depth textures: blue one, then teal, green, yellow, red for five and more."""
+    counts = layer_view(resident, view.camera, canvas.visibility)
+    return _opaque(_RAMP[np.minimum(counts, len(_RAMP) - 1)])
+
+
+def regions(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
+    """Reflection regions: green where an object may show in the reflector's triangle, red where none can."""
+    found, _ = region_view(resident, view.camera, *canvas.size)
+    color, _ = canvas.pixels()
+    elsewhere = ~found.any(axis=-1, keepdims=True)[::-1]
+    return _opaque(found[::-1] + elsewhere * 0.2 * np.minimum(color[..., :3], 1.0))
+
+
+def _opaque(color: np.ndarray) -> np.ndarray:
+    return np.concatenate([color, np.ones_like(color[..., :1])], axis=2).astype(np.float32, copy=False)
+
+
+DEVELOPS: dict[str, Develop] = {
+    "PICTURE": picture,
+    "REFLECTORS": reflectors,
+    "DISTANCE": hit_distance,
+    "LAYERS": layers,
+    "REGIONS": regions,
+}
 """By the identifiers of the setting."""

@@ -22,6 +22,8 @@ OVERLAYS = (
     ("PICTURE", "Picture", "The picture itself", 0),
     ("REFLECTORS", "Reflectors", "Where a reflector shows, in green", 1),
     ("DISTANCE", "Hit distance", "How far away is what a mirror shows: near is bright, the world is blue", 2),
+    ("LAYERS", "Layers", "Layers of the layered depth textures: blue is one, red five and more", 3),
+    ("REGIONS", "Reflection regions", "Green where a reflector may show an object, red where it cannot", 4),
 )
 QUALITIES = ((1, "1"), (2, "4"), (4, "16"), (6, "36"))
 

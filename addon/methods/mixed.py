@@ -3,6 +3,7 @@
 from collections.abc import Mapping
 from typing import ClassVar
 
+from ..drawing import Resident
 from ..errors import UsageError
 from ..gl import on_gl_thread
 from ..parameters import Value, resolve
@@ -45,11 +46,16 @@ class Mixed(EnsembleMethod):
         self._wanted = _all_wanted(assignment or {})
         self._methods: dict[tuple, DeferredMethod] = {}
 
+    @property
+    def resident(self) -> Resident:
+        """The scene on the GPU."""
+        return self._ensemble.resident
+
     @on_gl_thread
     def assign(self, assignment: Assignment, progress: Progress = silent) -> None:
         """Go on with another assignment; what is new is baked, what has not changed is kept."""
         self._wanted = _all_wanted(assignment)
-        self._ensemble.assign(self.cast(self._ensemble.resident.scene), progress)
+        self._ensemble.assign(self.cast(self.resident.scene), progress)
 
     def cast(self, scene: Scene) -> Cast:
         """Choose, and gather the reflectors of equal method and settings."""

@@ -7,7 +7,7 @@ from threading import Lock
 
 import numpy as np
 
-from ..drawing import Canvas
+from ..drawing import Canvas, Resident
 from ..errors import Cancelled, CatoptricError
 from ..gl import call, submit
 from ..scene import Lighting, Scene
@@ -15,8 +15,8 @@ from .auto import Choice
 from .contract import View
 from .mixed import Assignment, Mixed
 
-Develop = Callable[[np.ndarray, np.ndarray], np.ndarray]
-"""From what a `Canvas` holds, its colour and distance (`Canvas.pixels`), to the pixels that a viewer wants."""
+Develop = Callable[[Canvas, Resident, View], np.ndarray]
+"""From what was just painted to the pixels that a viewer wants; runs on the GL thread."""
 
 _log = logging.getLogger(__name__)
 
@@ -180,7 +180,8 @@ class Studio:
                 raise Cancelled
 
         time_ms = self._method.paint(view, canvas, overtaken)
-        self._pictures[viewer] = Picture(develop(*canvas.pixels()), view, develop, self._on_stage, time_ms)
+        pixels = develop(canvas, self._method.resident, view)
+        self._pictures[viewer] = Picture(pixels, view, develop, self._on_stage, time_ms)
 
     def _drop_canvas(self, viewer: Hashable) -> None:
         if viewer in self._canvases:
