@@ -9,10 +9,11 @@ from math import pi, radians
 
 import av
 import numpy as np
+import psutil
 import pytest
 import trimesh
 from catoptric.addon.errors import Cancelled, MachineError, UsageError
-from catoptric.addon.gl import call
+from catoptric.addon.gl import call, require
 from catoptric.addon.methods.contract import View
 from catoptric.addon.methods.registry import METHODS, named
 from catoptric.addon.metrics import to_bytes
@@ -463,6 +464,19 @@ def test_a_process_has_one_context(script, refusals):
     done = subprocess.run(command, capture_output=True, text=True, timeout=60)
     assert done.returncode == 0, done.stderr
     assert done.stdout.count("refused: this process has its GL context already") == refusals
+
+
+def test_what_python_lets_go_of_leaves_the_gpu():
+    """On software OpenGL a buffer is memory of this process."""
+
+    def waste():
+        for _ in range(40):
+            require().buffer(np.ones(2**21))  # 16 MiB
+            require().buffer(np.ones(8)).release()
+
+    before = psutil.Process().memory_info().rss
+    call(waste)
+    assert psutil.Process().memory_info().rss - before < 2**28
 
 
 def test_the_degrees_of_a_path_are_those_of_its_poses(tmp_path):

@@ -59,6 +59,7 @@ def require() -> moderngl.Context:
         raise RuntimeError("GL was touched outside its thread; use gl.call or gl.on_gl_thread")
     if getattr(_local, "context", None) is None:
         _own(_create)
+    _sweep(_local.context)
     return _local.context
 
 
@@ -82,7 +83,16 @@ def _own(make: Callable[[], moderngl.Context]) -> None:
         if _is_owned:
             raise RuntimeError("this process has its GL context already, on another thread or from a window")
         _local.context = make()
+        _local.context.gc_mode = "context_gc"  # Python may let go of an object on any thread
         _is_owned = True
+
+
+def _sweep(context: moderngl.Context) -> None:
+    """Free what Python has let go of, here on the GL thread; `Context.gc` stumbles over what was released before."""
+    while context.objects:
+        lost = context.objects.popleft()
+        if hasattr(lost, "release"):
+            lost.release()
 
 
 def _enter(function, args, kwargs):
@@ -99,7 +109,6 @@ def _create() -> moderngl.Context:
         except Exception as reason:  # glcontext raises bare Exception for a missing library or driver
             reasons.append(str(reason))
             continue
-        context.gc_mode = "context_gc"
         return context
     raise MachineError(_advice(reasons))
 
