@@ -1,66 +1,31 @@
-"""The preview: a camera that flies, paths and films of its flights, and what a session makes of keys."""
+"""The preview's parts: a camera that flies, its paths, what lies under the cursor, pictures and films."""
 
 import json
-import subprocess
-import sys
-import time
 from dataclasses import replace
 from math import pi, radians
 
 import av
 import numpy as np
-import psutil
 import pytest
 import trimesh
-from catoptric.addon.errors import Cancelled, MachineError, UsageError
-from catoptric.addon.gl import call, require
-from catoptric.addon.methods.contract import View
-from catoptric.addon.methods.registry import METHODS, named
-from catoptric.addon.metrics import to_bytes
-from catoptric.addon.parameters import resolve
-from catoptric.addon.scene import Lighting
+from catoptric.addon.errors import Cancelled, UsageError
+from catoptric.addon.gl import call
 from catoptric.batch.preview.camera import STEEPEST, Flight, Pose
 from catoptric.batch.preview.darkroom import film, photograph
 from catoptric.batch.preview.hits import Looker
-from catoptric.batch.preview.keys import ACTIONS, BINDINGS
 from catoptric.batch.preview.look import Look
 from catoptric.batch.preview.path import CameraPath, Recorder
-from catoptric.batch.preview.prepared import Choice, Prepared
-from catoptric.batch.preview.session import Session
+from catoptric.batch.preview.prepared import Prepared
 from hypothesis import given, settings
 from hypothesis import strategies as st
 
-from .stage import Judge, camera_rays, looking, mesh_of, mirrored, placed, scene_of
-
-SIZE = (64, 48)
+from .preview_stage import SIZE, choice, path_of, rendered, stage
+from .stage import Judge, camera_rays, looking, mirrored
 
 angles = st.floats(-4 * pi, 4 * pi)
 pitches = st.floats(-STEEPEST, STEEPEST)
 coordinates = st.tuples(*[st.floats(-1e3, 1e3)] * 3).map(np.array)
 wishes = st.tuples(*[st.sampled_from([-1.0, 0.0, 1.0])] * 3).map(np.array)
-
-
-def stage():
-    """A mirror ball, a box to its right, and a floor."""
-    ball = mesh_of(trimesh.creation.icosphere(subdivisions=3), smooth=True)
-    box = mesh_of(trimesh.creation.box())
-    floor = mesh_of(trimesh.creation.box((8, 8, 0.2)))
-    parts = [(ball, placed(), True), (box, placed((2, 0, 0), turn=0.4), False), (floor, placed((0, 0, -1.2)), False)]
-    return scene_of(parts, looking((0.5, -4.5, 1.0)), world=(0.2, 0.3, 0.5))
-
-
-def choice(name, **given):
-    return Choice.of(name, resolve(METHODS[name].parameters, given), Lighting.UNLIT)
-
-
-def rendered(scene, camera, name, samples):
-    """What a method of its own makes of it, as a screen shows it."""
-    method = named(name)()
-    method.prepare(scene, Lighting.UNLIT)
-    try:
-        return to_bytes(method.render(View(camera, *SIZE, samples)).color)
-    finally:
-        method.release()
 
 
 # The camera
@@ -111,10 +76,6 @@ def test_a_flight_reaches_its_speed_and_rests_again(wish, speed):
 
 
 # Paths
-
-
-def path_of(keys):
-    return CameraPath(np.array([key[0] for key in keys]), np.array([key[1:] for key in keys]))
 
 
 times = st.lists(st.floats(0.01, 2.0), min_size=1, max_size=8).map(lambda steps: np.cumsum([0.0, *steps]))
@@ -178,6 +139,14 @@ def test_a_damaged_path_is_told_in_one_line(tmp_path, text, says):
     with pytest.raises(UsageError, match=says) as caught:
         CameraPath.load(tmp_path / "bad.path.json")
     assert "\n" not in str(caught.value)
+
+
+def test_the_degrees_of_a_path_are_those_of_its_poses(tmp_path):
+    path = tmp_path / "turn.path.json"
+    keys = [KEY, {"time": 2, "position": [0, 0, 0], "yaw": 90, "pitch": -30}]
+    path.write_text(json.dumps({"schema": 1, "keys": keys}))
+    forward = -CameraPath.load(path).at(2.0).matrix[:3, 2]
+    np.testing.assert_allclose(forward, [-np.cos(radians(30)), 0, -0.5], atol=1e-12)
 
 
 # What lies under the cursor
@@ -259,229 +228,3 @@ def test_a_film_that_is_stopped_leaves_the_one_before(tmp_path):
     call(prepared.release)
     assert [path.name for path in tmp_path.iterdir()] == ["flight.mp4"]
     assert out.read_bytes() == b"before"
-
-
-# A session
-
-
-@pytest.fixture
-def session(tmp_path):
-    """A session that has come to rest, without a window."""
-    values = {name: resolve(method.parameters, {}) for name, method in METHODS.items()}
-    made = Session(stage(), Look(choice("layered-depth")), values, tmp_path / "stage")
-    made.size = SIZE
-    rest(made)
-    yield made
-    call(made.workshop.release)
-
-
-def rest(session):
-    """Let it work until there is nothing left to do; how much there was."""
-    return next(count for count in range(100) if not call(session.work))
-
-
-def colors(session):
-    shown = session.workshop.painter.shown
-    return [call(canvas.read)[0] for canvas in shown.canvases]
-
-
-def test_a_session_at_rest_has_a_smooth_picture_and_nothing_to_do(session):
-    assert session.workshop.samples == 4
-    assert np.abs(to_bytes(colors(session)[0]) - rendered(stage(), stage().camera, "layered-depth", 4)).max() == 0
-    assert rest(session) == 0
-    session.press("-")
-    session.press("h")
-    assert rest(session) == 0  # neither needs the picture to be painted again
-
-
-def test_keys_fly_and_home_goes_back(session):
-    before = colors(session)[0]
-    session.press("w")
-    session.pilot.advance(0.5)
-    call(session.work)
-    assert session.workshop.samples == 1
-    session.release("w")
-    session.pilot.advance(5.0)
-    session.pilot.advance(0.1)
-    assert rest(session) >= 1
-    assert np.abs(colors(session)[0] - before).max() > 0.1
-    session.press("home")
-    rest(session)
-    np.testing.assert_array_equal(colors(session)[0], before)
-
-
-def test_digits_choose_methods_and_v_splits(session):
-    session.press("1")
-    rest(session)
-    assert session.look.left.method == next(iter(METHODS))
-    session.press("2", control=True)
-    rest(session)
-    left, right = (rendered(stage(), stage().camera, name, 4) for name in list(METHODS)[:2])
-    for shown, expected in zip(colors(session), (left, right), strict=True):
-        assert np.abs(to_bytes(shown).astype(int) - expected).max() <= 1
-    session.press("v")
-    rest(session)
-    assert len(colors(session)) == 1
-
-
-def test_esc_stops_preparing_and_goes_back(session):
-    before, look = colors(session)[0], session.look
-    session.workshop.pump = lambda: session.press("escape")
-    session.press("1")
-    call(session.work)
-    assert session.look == look
-    assert "stopped" in session.message
-    session.workshop.pump = lambda: None
-    assert rest(session) == 0
-    np.testing.assert_array_equal(colors(session)[0], before)
-
-
-def test_a_key_in_the_middle_of_preparing_is_obeyed(session):
-    session.workshop.pump = lambda: session.press("2") if session.look.left.method == "environment-map" else None
-    session.press("1")
-    rest(session)
-    assert session.look.left.method == "environment-map-dynamic"
-    assert session.workshop.settled.left == session.look.left
-
-
-def test_a_method_that_fails_says_why_and_gives_way(session):
-    look = session.look
-
-    def fail():
-        raise MachineError("the GPU is full: choose a smaller resolution")
-
-    session.workshop.pump = fail
-    session.press("1")
-    call(session.work)
-    assert session.look == look
-    assert session.message == "the GPU is full: choose a smaller resolution"
-
-
-def test_a_value_is_prepared_once_it_rests(session):
-    session.press("1")
-    rest(session)
-    session.set(False, {"size": 32})
-    assert not call(session.work)  # it may change again at once, as it does while it is dragged
-    time.sleep(0.3)
-    assert rest(session) >= 1
-    assert dict(session.workshop.settled.left.settings)["size"] == 32
-    session.press("5")
-    session.press("1")
-    assert dict(session.look.left.settings)["size"] == 32
-
-
-def test_the_automatic_choice_says_what_it_chose(session):
-    session.choose(list(METHODS).index("auto"))
-    rest(session)
-    assert session.message.startswith("object 0 by ")
-
-
-def test_light_changes_under_both_methods(session):
-    session.press("v")
-    session.press("l")
-    rest(session)
-    assert {each.lighting for each in session.look.choices} == {Lighting.DIRECT}
-    session.press("l")
-    rest(session)
-    assert session.look.lighting is Lighting.UNLIT  # the scene holds no lightmaps
-
-
-def test_a_flight_is_recorded_saved_played_and_filmed(session, tmp_path):
-    session.press("space")
-    assert "no path" in session.message
-    session.press("r")
-    session.press("d")
-    for _ in range(20):
-        session.pilot.advance(0.05)
-    session.release("d")
-    session.press("r")
-    flown = CameraPath.load(tmp_path / "stage-001.path.json")
-    assert flown.duration == pytest.approx(1.0, abs=0.06)
-    session.pilot.advance(5.0)
-    end = session.pilot.camera.position
-    session.press("space")
-    session.pilot.advance(0.01)
-    assert np.linalg.norm(session.pilot.camera.position - end) > 0.1
-    session.pilot.advance(2.0)
-    assert session.pilot.played is None
-    np.testing.assert_allclose(session.pilot.camera.position, flown.at(9).position, atol=1e-4)
-    session.press("x")
-    session.press("p")
-    rest(session)
-    assert {path.name for path in tmp_path.iterdir()} == {"stage-001.path.json", "stage-001.mp4", "stage-001.png"}
-
-
-def test_every_action_of_a_key_exists(session):
-    for key in ACTIONS:
-        session.press(key)
-        session.release(key)
-    assert all(binding.shown and binding.help for binding in BINDINGS)
-    session.press("escape")
-    session._asked.clear()
-    rest(session)
-
-
-# The one context
-
-
-ADOPT = """
-import moderngl, threading
-from catoptric.addon import gl
-
-context = moderngl.create_context(standalone=True, require=410, **{backend})
-gl.adopt(context)
-assert gl.call(gl.require) is context
-try:
-    gl.adopt(context)
-except RuntimeError as refusal:
-    print("refused:", refusal)
-def elsewhere():
-    try:
-        gl.call(gl.require)
-    except RuntimeError as refusal:
-        print("elsewhere refused:", refusal)
-other = threading.Thread(target=elsewhere)
-other.start()
-other.join()
-"""
-
-TOO_LATE = """
-import moderngl
-from catoptric.addon import gl
-
-gl.call(gl.require)
-try:
-    gl.adopt(moderngl.create_context(standalone=True, require=410, **{backend}))
-except RuntimeError as refusal:
-    print("refused:", refusal)
-"""
-
-
-@pytest.mark.parametrize(("script", "refusals"), [(ADOPT, 2), (TOO_LATE, 1)])
-def test_a_process_has_one_context(script, refusals):
-    backend = {"backend": "egl"} if sys.platform.startswith("linux") else {}
-    command = [sys.executable, "-c", script.replace("{backend}", repr(backend))]
-    done = subprocess.run(command, capture_output=True, text=True, timeout=60)
-    assert done.returncode == 0, done.stderr
-    assert done.stdout.count("refused: this process has its GL context already") == refusals
-
-
-def test_what_python_lets_go_of_leaves_the_gpu():
-    """On software OpenGL a buffer is memory of this process."""
-
-    def waste():
-        for _ in range(40):
-            require().buffer(np.ones(2**21))  # 16 MiB
-            require().buffer(np.ones(8)).release()
-
-    before = psutil.Process().memory_info().rss
-    call(waste)
-    assert psutil.Process().memory_info().rss - before < 2**28
-
-
-def test_the_degrees_of_a_path_are_those_of_its_poses(tmp_path):
-    path = tmp_path / "turn.path.json"
-    keys = [KEY, {"time": 2, "position": [0, 0, 0], "yaw": 90, "pitch": -30}]
-    path.write_text(json.dumps({"schema": 1, "keys": keys}))
-    forward = -CameraPath.load(path).at(2.0).matrix[:3, 2]
-    np.testing.assert_allclose(forward, [-np.cos(radians(30)), 0, -0.5], atol=1e-12)

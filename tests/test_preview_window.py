@@ -16,7 +16,7 @@ from catoptric.addon.metrics import to_bytes
 from catoptric.addon.scene import Lighting
 from catoptric.addon.scene.archive import save
 
-from .test_preview import stage
+from .preview_stage import stage
 
 pytestmark = pytest.mark.slow
 

@@ -155,7 +155,7 @@ def _sight(session: Session, drawn: float | None) -> None:
 def _as_drawn(drawn: float | None) -> str:
     if drawn is None or math.isnan(drawn):
         return ""
-    return "; drawn: the world" if math.isinf(drawn) else f"; drawn: {drawn:.2f} m"
+    return "; drawn infinitely far away" if math.isinf(drawn) else f"; drawn at {drawn:.2f} m"
 
 
 def _help() -> None:

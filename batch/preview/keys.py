@@ -36,6 +36,7 @@ BINDINGS = (
     Binding(("h",), "H", "show or hide the panel", "toggle_panel"),
     Binding(("f1",), "F1", "these keys", "toggle_help"),
     Binding(("escape",), "Esc", "stop what takes long, and go back to what was there before", "stop"),
+    Binding((), "Ctrl Q", "close the window"),
 )
 
 ACTIONS = {key: binding.action for binding in BINDINGS for key in binding.keys if binding.action}
