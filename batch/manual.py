@@ -1,4 +1,4 @@
-"""What `catoptric methods` prints."""
+"""What `catoptric methods` prints, and the manual says, of methods and their parameters."""
 
 import inspect
 import re
@@ -53,12 +53,13 @@ def allowed(parameter: Parameter) -> str:
             return f"{low} to {high}"
 
 
-def _value(value: Value, unit: str) -> str:
+def with_unit(value: Value, unit: str) -> str:
+    """A parameter's value, for people."""
     shown = {True: "on", False: "off"}[value] if isinstance(value, bool) else str(value)
     return f"{shown} {unit}".rstrip()
 
 
 def _line(method: type[Method], parameter: Parameter) -> str:
     section = f" ({parameter.section})" if parameter.section else ""
-    default = _value(parameter.default, parameter.unit)
+    default = with_unit(parameter.default, parameter.unit)
     return f"{method.name}.{parameter.name} = {default}, {allowed(parameter)}: {parameter.help}{section}"
