@@ -7,6 +7,7 @@ import json
 import os
 import struct
 import tempfile
+import time
 from collections.abc import Iterable, Mapping
 from enum import Enum
 from pathlib import Path
@@ -32,6 +33,13 @@ class Entry(NamedTuple):
 
     arrays: dict[str, np.ndarray]
     meta: dict
+
+
+class Kept(NamedTuple):
+    """What is known of an entry without reading it: its `size` in bytes, and when it was `written`, as time.time()."""
+
+    size: int
+    written: float
 
 
 def key_of(*parts: object) -> str:
@@ -107,7 +115,7 @@ class Cache:
         try:
             with path.open("rb") as file:
                 entry = _read(file)
-            os.utime(path)
+            os.utime(path, (time.time(), path.stat().st_mtime))
         except FileNotFoundError:
             return None
         except PermissionError as error:
@@ -134,6 +142,21 @@ class Cache:
                 temporary.unlink(missing_ok=True)
         self._make_room(path)
 
+    def look(self, kind: str, key: str) -> Kept | None:
+        """What is kept under `key`, without reading it; None if there is nothing."""
+        try:
+            status = self._path(kind, key).stat()
+        except OSError:
+            return None
+        return Kept(status.st_size, status.st_mtime)
+
+    def remove(self, kind: str, key: str) -> None:
+        """Let one entry go, if it is there. Raises `MachineError` where the folder does not allow it."""
+        try:
+            self._path(kind, key).unlink(missing_ok=True)
+        except OSError as error:
+            raise MachineError(self._blame(error)) from error
+
     def size(self) -> int:
         """Bytes that all entries take on disk."""
         return sum(size for _, size, _ in self._files())
@@ -155,7 +178,7 @@ class Cache:
                     status = path.stat()
                 except FileNotFoundError:  # another process has just cleared it
                     continue
-                files.append((status.st_mtime, status.st_size, path))
+                files.append((max(status.st_atime, status.st_mtime), status.st_size, path))
         return sorted(files)
 
     def _make_room(self, newest: Path) -> None:

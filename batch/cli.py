@@ -10,29 +10,22 @@ from typer.exceptions import TyperException
 
 from ..addon.baking.engine_export import CUBE_SIZE, PARAMETERS
 from ..addon.baking.layered_depth import LAYERS, RESOLUTION
-from ..addon.errors import Cancelled, CatoptricError, UsageError
+from ..addon.errors import Cancelled, UsageError
 from ..addon.methods.registry import METHODS
 from ..addon.parameters import resolve
 from ..addon.scene import Lighting
 from ..scenes import SCENES
 from . import jobs, tasks
+from .ending import STOPPED, WRONG, complain, status_of
 from .manual import print_methods
 from .options import PEERS, parse_frames, parse_names, parse_resolution, parse_settings
 from .package import package as build_package
 from .package_wheels import PLATFORMS, PYTHONS
-from .preview import launch
-from .preview.path import CameraPath
 from .progress import Terminal, blender_on_stderr
 from .sources import locate
 
-WRONG, STOPPED = 2, 130
-"""Exit statuses: something in the input or the machine is wrong; stopped by Ctrl-C."""
-
 DEMONSTRATION = ("mirror-ball", "hollow-box", "genus3")
 """What `compare` shows when no scene is named: three that end within four minutes on two cores."""
-
-SAMPLES = {Lighting.UNLIT: 64, Lighting.CYCLES: 256, Lighting.DIRECT: 128}
-"""Cycles' samples a pixel: without light, only edges are noisy."""
 
 app = typer.Typer(
     help="Render reflections in real time and measure how far each technique is from Cycles. "
@@ -86,7 +79,7 @@ def compare(
         sources=tuple(locate(scene) for scene in dict.fromkeys(scenes or DEMONSTRATION)),
         settings=parse_settings(settings or (), names),
         lighting=lighting,
-        samples=samples if samples is not None else SAMPLES[lighting],
+        samples=samples if samples is not None else jobs.SAMPLES[lighting],
         out=out,
         resolution=parse_resolution(resolution) if resolution is not None else None,
         frames=parse_frames(frames) if frames is not None else None,
@@ -185,6 +178,9 @@ def preview(
     rate: Annotated[int, typer.Option(min=1, max=240, help="Pictures a second of a film.")] = 30,
 ) -> int:
     """Fly through a scene in a window; F1 shows the keys."""
+    from .preview import launch  # the extension in Blender ships without it
+    from .preview.path import CameraPath
+
     parse_names(method if versus is None else f"{method},{versus}", METHODS, "--method")
     size = parse_resolution(resolution) if resolution is not None else None
     wishes = launch.Wishes(method, versus, parse_settings(settings or (), METHODS), lighting, size, frame)
@@ -238,22 +234,15 @@ def main(arguments: Sequence[str] | None = None) -> int:
     if arguments is None:
         with blender_on_stderr():
             return main(sys.argv[1:])
+    return status_of(lambda: _run(list(arguments)))
+
+
+def _run(arguments: list[str]) -> int:
     try:
-        return app(args=list(arguments), prog_name="catoptric", standalone_mode=False) or 0
+        return app(args=arguments, prog_name="catoptric", standalone_mode=False) or 0
     except TyperException as error:
         if error.format_message():
-            _complain(f"{error.format_message()} (catoptric --help explains)")
+            complain(f"{error.format_message()} (catoptric --help explains)")
         return WRONG
-    except CatoptricError as error:
-        _complain(str(error))
-        return WRONG
-    except MemoryError:
-        _complain("not enough memory: choose a smaller --resolution, or fewer and smaller textures")
-        return WRONG
-    except (Cancelled, KeyboardInterrupt, typer.Abort):
-        _complain("stopped")
-        return STOPPED
-
-
-def _complain(message: str) -> None:
-    print("catoptric:", " ".join(message.split()), file=sys.stderr)
+    except typer.Abort:
+        raise Cancelled from None

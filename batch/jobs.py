@@ -3,7 +3,6 @@
 import time
 from collections.abc import Mapping
 from dataclasses import dataclass
-from importlib.metadata import version
 from pathlib import Path
 
 import numpy as np
@@ -16,11 +15,14 @@ from ..addon.parameters import Value
 from ..addon.progress import Progress, part_of, silent
 from ..addon.scene import Lighting, Scene
 from .judging import Shot, supersampling
-from .machine import check_size, describe
+from .machine import check_size, describe, own_version
 from .progress import Bar, Terminal
 from .report import write_report
 from .results import Result, Results, Skipped, Times
 from .sources import Source
+
+SAMPLES = {Lighting.UNLIT: 64, Lighting.CYCLES: 256, Lighting.DIRECT: 128}
+"""Cycles' samples a pixel: without light, only edges are noisy."""
 
 _LONGEST_SIDE = 768
 _LEAST_LIGHT = 32  # samples of a texel; denoised, and seen from every pixel around
@@ -89,9 +91,9 @@ class _Comparison:
         machine = describe()
         self.job, self.terminal = job, terminal
         self.cache = Cache()
-        self.results = Results(version("catoptric"), machine)
+        self.results = Results(own_version(), machine)
         if job.resume:
-            self.results, damage = Results.resume(job.out, version("catoptric"), machine)
+            self.results, damage = Results.resume(job.out, own_version(), machine)
             if damage:
                 terminal.warn(damage)
         self.results.sources |= {name: METHODS[name].source for name in job.settings}

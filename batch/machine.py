@@ -1,6 +1,8 @@
 """What the figures were measured on."""
 
 import platform
+import sys
+import tomllib
 from importlib.metadata import PackageNotFoundError, version
 from pathlib import Path
 
@@ -30,8 +32,17 @@ def check_size(width: int, height: int) -> None:
         raise MachineError(f"a picture of {width}x{height} pixels: this GPU draws at most {limit} a side")
 
 
+def own_version() -> str:
+    """Catoptric's version; inside Blender, no package manager knows it."""
+    manifest = Path(__file__).resolve().parents[1] / "blender_manifest.toml"
+    return tomllib.loads(manifest.read_text(encoding="utf-8"))["version"]
+
+
 def _blender() -> str:
-    """The version of Blender that is installed, without starting it."""
+    """The version of the Blender that runs this, or else of the one that is installed, without starting it."""
+    running = sys.modules.get("bpy")
+    if running is not None:
+        return ".".join(map(str, running.app.version))
     try:
         return version("bpy")
     except PackageNotFoundError:

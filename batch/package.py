@@ -16,8 +16,11 @@ from .package_wheels import PLATFORMS, PYTHONS, fetch, requirements
 ROOT = Path(__file__).resolve().parents[1]
 MANIFEST = "blender_manifest.toml"
 
-SHIPPED = ("__init__.py", "LICENSE", "README.md", "addon", "gpu_shaders")
+SHIPPED = ("__init__.py", "LICENSE", "README.md", "addon", "batch", "gpu_shaders", "scenes/__init__.py")
 """Files and folders of the source tree that Blender needs, beside the manifest and wheels."""
+
+LEFT_OUT = ("cli.py", "manual.py", "package.py", "package_wheels.py", "preview")
+"""What does not ship of `batch`: the command line and the preview's window need much that the rest does without."""
 
 
 def package(
@@ -82,8 +85,7 @@ def _build(root: Path, manifest: str, wheels: Sequence[Path], target: Path) -> N
             for wheel in wheels:
                 shutil.copy(wheel, stage / "wheels")
             for name in SHIPPED:
-                copy = shutil.copytree if (root / name).is_dir() else shutil.copy
-                copy(root / name, stage / name)
+                _copy(root / name, stage / name)
             with tempfile.TemporaryDirectory(dir=target.parent, suffix=".part") as beside:
                 built = Path(beside, target.name)
                 _blender_ext("build", "--source-dir", stage, "--output-filepath", built)
@@ -91,6 +93,16 @@ def _build(root: Path, manifest: str, wheels: Sequence[Path], target: Path) -> N
                 built.replace(target)
     except OSError as error:
         raise MachineError(f"cannot write {target}: {error.strerror or error}") from error
+
+
+def _copy(source: Path, target: Path) -> None:
+    """Copy a file, or of a folder all that ships."""
+    if source.is_dir():
+        unwanted = LEFT_OUT if source.name == "batch" else ()
+        shutil.copytree(source, target, ignore=shutil.ignore_patterns("__pycache__", *unwanted))
+    else:
+        target.parent.mkdir(exist_ok=True)
+        shutil.copy(source, target)
 
 
 def _blender_ext(*arguments: str | Path) -> None:

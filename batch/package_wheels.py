@@ -14,8 +14,8 @@ from pathlib import Path
 from ..addon.cache import Cache, key_of
 from ..addon.errors import MachineError
 
-NEEDED = ("flip-evaluator", "moderngl", "platformdirs")
-"""What `addon/` imports and Blender lacks; what these need themselves comes along."""
+NEEDED = ("flip-evaluator", "jinja2", "moderngl", "platformdirs", "rich")
+"""What the shipped code imports and Blender lacks; what these need themselves comes along."""
 
 BLENDER_BRINGS = frozenset({"numpy", "openimageio"})
 """What every Blender has, in a version of its own."""

@@ -1,8 +1,12 @@
-"""Progress on a terminal: one bar a scene, with the time left; nothing where nobody looks."""
+"""Progress on a terminal: one bar a scene, with the time left; nothing where nobody looks.
+
+A program that starts this one sets CATOPTRIC_PROGRESS to `lines`, and reads `progress FRACTION STEP` from stderr.
+"""
 
 import os
 import signal
 import sys
+import time
 from collections.abc import Iterator
 from contextlib import contextmanager
 from threading import Event
@@ -12,6 +16,9 @@ from rich.progress import BarColumn, Progress, TaskID, TextColumn, TimeRemaining
 
 from ..addon.errors import Cancelled
 from ..addon.progress import Progress as Callback
+
+VARIABLE = "CATOPTRIC_PROGRESS"
+_INTERVAL_S = 0.1
 
 
 class Bar:
@@ -33,7 +40,9 @@ class Bar:
             if self._stopped.is_set():
                 raise Cancelled
             done = start + (end - start) * min(max(fraction, 0.0), 1.0)
-            self._progress.update(self._task, completed=done, step=f"{label}: {stage}" if stage else label)
+            step = f"{label}: {stage}" if stage else label
+            self._progress.update(self._task, completed=done, step=step)
+            _tell(done, step)
 
         report("", 0.0)
         return report
@@ -41,6 +50,18 @@ class Bar:
     def finish(self) -> None:
         """Take the bar away."""
         self._progress.remove_task(self._task)
+
+
+def _tell(done: float, step: str) -> None:
+    """Write a line for the program that started this one, but not too many."""
+    global _told
+    now = time.monotonic()
+    if os.environ.get(VARIABLE) == "lines" and now > _told + _INTERVAL_S:
+        _told = now
+        print(f"progress {done:.4f} {step}", file=sys.stderr, flush=True)
+
+
+_told = 0.0
 
 
 class Terminal:

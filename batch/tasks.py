@@ -1,6 +1,6 @@
 """`render`, `bake`, `export` and `export-engine`: one scene down the corridor, as far as asked."""
 
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..addon.baking.engine_export import export_for_engine
@@ -103,20 +103,21 @@ def export(source: Source, lighting: Lighting, out: Path, terminal: Terminal, fr
 
 def export_engine(
     source: Source,
-    objects: str | None,
+    objects: "str | Sequence[str] | None",
     lighting: Lighting,
     settings: Mapping[str, Value],
     out: Path,
     terminal: Terminal,
     frame: int | None = None,
 ) -> None:
-    """Write the bakes of `objects` (names with commas between, None for all) to the folder `out`, for an engine.
+    """Write the bakes of `objects` (names, in a list or with commas between; None for all) to the folder `out`.
 
     `settings` holds the parameters of `export_for_engine`.
     """
     bar = terminal.bar(source.name)
     scene = _scene(source, lighting, frame, terminal, bar)
-    names = None if objects is None else parse_names(objects, (one.name for one in scene.instances), "--objects")
+    known = (one.name for one in scene.instances)
+    names = parse_names(objects, known, "--objects") if isinstance(objects, str) else objects
     exported = export_for_engine(scene, lighting, names, out, dict(settings), Cache(), bar.step("export", 0.6, 1.0))
     bar.finish()
     for note in exported.notes:

@@ -42,7 +42,9 @@ LAYERS = Parameter(
 FACES = ("+X", "-X", "+Y", "-Y", "+Z", "-Z")
 """The faces of a box, in the house's order."""
 
-_KIND = "layered-depth"
+KIND = "layered-depth"
+"""Of the entries in the cache."""
+
 _PADDING = 1e-3
 
 
@@ -166,10 +168,10 @@ def each_bake(
             sharing.setdefault(key, []).append(index)
     for done, (key, instances) in enumerate(sharing.items()):
         progress("baking layered depth textures", done / len(sharing))
-        kept = cache.get(_KIND, key) if cache else None
+        kept = cache.get(KIND, key) if cache else None
         bake = _unpacked(*kept) if kept else bake_instance(resident, instances[0], **settings)
         if cache and not kept:
-            cache.put(_KIND, key, *_packed(bake))
+            cache.put(KIND, key, *_packed(bake))
         yield tuple(instances), bake
     progress("baking layered depth textures", 1.0)
 

@@ -17,7 +17,7 @@ def keys_of(scene: Scene, lighting: Lighting, resolution: int, layers: int) -> l
     """
     meshes = [key_of(mesh) for mesh in scene.meshes]
     images = [key_of(image) for image in scene.images]
-    materials = [_material_key(material, images) for material in scene.materials]
+    materials = material_keys(scene, images)
     whole = _light_key(scene, meshes) if lighting is Lighting.DIRECT else None
     keys: list[str | None] = []
     for instance in scene.instances:
@@ -33,6 +33,11 @@ def keys_of(scene: Scene, lighting: Lighting, resolution: int, layers: int) -> l
             parts += [instance.matrix, whole]
         keys.append(key_of(parts))
     return keys
+
+
+def material_keys(scene: Scene, images: list[str]) -> list[str]:
+    """The keys of a scene's materials, by content; `images` are the keys of its images."""
+    return [_material_key(material, images) for material in scene.materials]
 
 
 def _material_key(material: Material, images: list[str]) -> str:

@@ -4,7 +4,6 @@ from dataclasses import dataclass
 from math import log10
 
 import numpy as np
-from skimage.metrics import structural_similarity
 
 from ..errors import CatoptricError
 from .display import to_bytes, to_display
@@ -25,7 +24,8 @@ class Figures:
     `flip` and `flip_hdr` 0..1 (0 is equal); `psnr` in dB of the displayed picture; `ssim` up to 1
     (1 is equal); `mae_8bit` mean absolute difference in steps of a screen's 255; `rel_mse` mean
     squared difference of radiance over the reference's square. None where there is no number: all
-    of them over no pixels, and the PSNR of equal pictures, which is infinite.
+    of them over no pixels, the PSNR of equal pictures, which is infinite, and the SSIM where
+    scikit-image is not installed, as inside Blender.
     """
 
     pixels: int
@@ -46,7 +46,7 @@ class ErrorMaps:
 
     flip: np.ndarray
     flip_hdr: np.ndarray
-    ssim: np.ndarray
+    ssim: np.ndarray | None
     mae_8bit: np.ndarray
     mse: np.ndarray
     rel_mse: np.ndarray
@@ -72,7 +72,7 @@ class ErrorMaps:
             flip=mean(self.flip),
             flip_hdr=mean(self.flip_hdr),
             psnr=-10.0 * log10(mse) if mse > 0.0 else None,
-            ssim=mean(self.ssim),
+            ssim=mean(self.ssim) if self.ssim is not None else None,
             mae_8bit=mean(self.mae_8bit),
             rel_mse=mean(self.rel_mse),
         )
@@ -134,8 +134,12 @@ def _checked(picture: np.ndarray, name: str) -> np.ndarray:
     return picture
 
 
-def _ssim_map(test: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    """SSIM (Wang et al. 2004: Gaussian window of 1.5 pixels), mean of the channels."""
+def _ssim_map(test: np.ndarray, reference: np.ndarray) -> np.ndarray | None:
+    """SSIM (Wang et al. 2004: Gaussian window of 1.5 pixels), mean of the channels; None without scikit-image."""
+    try:
+        from skimage.metrics import structural_similarity
+    except ImportError:
+        return None
     height, width = test.shape[:2]
     missing = [(0, max(0, _SSIM_WINDOW - side)) for side in (height, width)]
     # A picture smaller than the window goes on mirrored, as the filter has it beyond the edge.

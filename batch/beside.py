@@ -1,0 +1,42 @@
+"""What the add-on starts beside the Blender that a person works in.
+
+Usage: blender --background --python beside.py -- PATHS REQUEST, or python beside.py -- PATHS REQUEST
+PATHS are the folders that the other Blender finds modules in, REQUEST is what `requests` takes. It ends when its
+standard input does, that is, with the other Blender, however that ends.
+"""
+
+import importlib
+import importlib.util
+import os
+import sys
+import threading
+from pathlib import Path
+
+_STOPPED = 130
+
+
+def _load_package() -> None:
+    """Make the package that this file belongs to known as `catoptric`, wherever it lies."""
+    root = Path(__file__).resolve().parents[1]
+    spec = importlib.util.spec_from_file_location(
+        "catoptric", root / "__init__.py", submodule_search_locations=[str(root)]
+    )
+    sys.modules["catoptric"] = importlib.util.module_from_spec(spec)
+    spec.loader.exec_module(sys.modules["catoptric"])
+
+
+def _watch_over() -> None:
+    """End this process when nobody holds the other end of its standard input any more."""
+    while os.read(sys.stdin.fileno(), 1):
+        pass
+    os._exit(_STOPPED)
+
+
+if __name__ == "__main__":
+    paths, request = sys.argv[sys.argv.index("--") + 1 :]
+    sys.path += [path for path in paths.split(os.pathsep) if path not in sys.path]
+    os.environ["CATOPTRIC_PROGRESS"] = "lines"
+    threading.Thread(target=_watch_over, daemon=True).start()
+    _load_package()
+    status = importlib.import_module("catoptric.batch.requests").main(request)
+    os._exit(status)  # what Blender would do on its way out is for windows
