@@ -139,6 +139,22 @@ class SceneSettings(bpy.types.PropertyGroup):
     show_times: bpy.props.BoolProperty(
         name="Times", default=True, update=_redraw, description="Show what each stage costs in the viewport's corner"
     )
+    compared: bpy.props.EnumProperty(
+        name="Methods",
+        items=(
+            ("USED", "In use", "The methods that this scene and its objects have chosen", 0),
+            ("ALL", "All", "Every method there is, one row each", 1),
+        ),
+        default="USED",
+        description="Which methods are compared with Cycles",
+    )
+    reference_samples: bpy.props.IntProperty(
+        name="Cycles samples",
+        default=64,
+        min=2,
+        max=65536,
+        description="Samples a pixel of the picture that Cycles renders; what noise is left is measured as well",
+    )
 
 
 class ObjectSettings(bpy.types.PropertyGroup):

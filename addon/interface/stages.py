@@ -13,6 +13,7 @@ from ..errors import CatoptricError
 from ..methods.mixed import Assignment
 from ..methods.studio import Act, Studio
 from ..scene import Camera, Lighting, Scene
+from . import lights
 from .choices import method_of
 
 ENGINE = "CATOPTRIC"
@@ -26,6 +27,7 @@ class Stage:
         self.studio = Studio(_news.set)
         self.memo = Memo()
         self.found: Scene | None = None
+        self.shown: Scene | None = None
         self.problem = ""
         self.act = 0
         self.viewers: dict[int, Hashable] = {}
@@ -57,7 +59,8 @@ class Stage:
             self.problem = str(problem)
             return
         self.problem, self.found = "", found
-        self.act = self.studio.show(Act(found, Lighting(settings.lighting), assignment(scene, found)))
+        self.shown = lights.shown(scene, found)
+        self.act = self.studio.show(Act(self.shown, Lighting(settings.lighting), assignment(scene, found)))
 
 
 def assignment(bpy_scene: bpy.types.Scene, scene: Scene) -> Assignment:
@@ -134,6 +137,7 @@ def _close_all(*_: object) -> None:
 
 def register() -> None:
     """Forget all stages whenever another file is opened."""
+    lights.when_read = touch
     bpy.app.handlers.load_pre.append(_close_all)
 
 
