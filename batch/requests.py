@@ -5,8 +5,10 @@ import sys
 from collections.abc import Mapping
 from pathlib import Path
 
+import numpy as np
+
 from ..addon.parameters import Value
-from ..addon.scene import Lighting
+from ..addon.scene import Camera, Lighting, SensorFit
 from . import jobs, tasks
 from .ending import WRONG, status_of
 from .progress import Terminal, blender_on_stderr
@@ -19,6 +21,27 @@ def compare(
     """Measure methods, with their `settings`, against Cycles."""
     job = jobs.Job((locate(scene),), settings, Lighting(lighting), samples, Path(out))
     return 0 if jobs.run(job, terminal).results else WRONG
+
+
+def reference(
+    terminal: Terminal,
+    scene: str,
+    out: str,
+    lighting: str,
+    samples: int,
+    camera: Mapping[str, object],
+    width: int,
+    height: int,
+) -> int:
+    """Write Cycles' picture of what `camera` sees, the arguments of a `Camera`, to the EXR file `out`."""
+    tasks.reference(locate(scene), _camera(camera), (width, height), Lighting(lighting), samples, Path(out), terminal)
+    return 0
+
+
+def _camera(given: Mapping[str, object]) -> Camera:
+    pairs = {name: tuple(given[name]) for name in ("sensor", "shift")}
+    matrix = np.array(given["matrix"])
+    return Camera(**{**given, **pairs, "matrix": matrix, "sensor_fit": SensorFit.HORIZONTAL})
 
 
 def export(terminal: Terminal, scene: str, out: str, lighting: str) -> int:
@@ -35,7 +58,7 @@ def export_engine(
     return 0
 
 
-_KNOWN = {kind.__name__: kind for kind in (compare, export, export_engine)}
+_KNOWN = {kind.__name__: kind for kind in (compare, reference, export, export_engine)}
 
 
 def main(request: str) -> int:

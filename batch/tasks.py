@@ -13,7 +13,7 @@ from ..addon.gl import call
 from ..addon.methods.contract import View
 from ..addon.methods.registry import named
 from ..addon.parameters import Value
-from ..addon.scene import Lighting, Scene
+from ..addon.scene import Camera, Lighting, Scene
 from ..addon.scene.archive import EXTENSION, save
 from .jobs import lit, require_reflectors
 from .machine import check_size
@@ -77,6 +77,29 @@ def bake(source: Source, lighting: Lighting, settings: Mapping[str, Value], out:
         f"reflection regions spare {removed.triangles:.0%} of the reflectors' triangles and {removed.fragments:.0%} "
         f"of their pixels, and {removed.fragment_searches:.0%} of all searches"
     )
+
+
+def reference(
+    source: Source,
+    camera: Camera,
+    size: tuple[int, int],
+    lighting: Lighting,
+    samples: int,
+    out: Path,
+    terminal: Terminal,
+) -> None:
+    """Write Cycles' picture of what another camera sees of a .blend to the EXR file `out`."""
+    from ..addon.blender.reference import render_reference
+    from ..addon.blender.view_camera import seen_by
+
+    bar = terminal.bar(source.name)
+    with seen_by(source.bpy_scene, camera, *size):
+        scene = source.scene(None, bar.step("scene", 0.0, 0.1))
+        shown = render_reference(
+            source.bpy_scene, scene, lighting, *size, samples, Cache(), bar.step("reference", 0.1, 1.0)
+        )
+    save_exr(out, shown.color)
+    bar.finish()
 
 
 def _draw_regions(scene: Scene, path: Path) -> Removed:

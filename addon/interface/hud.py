@@ -16,6 +16,9 @@ def lines(stage: stages.Stage, viewer: object, show_times: bool) -> list[str]:
     if studio.stage and studio.busy:
         told.append(f"{studio.stage}: {studio.fraction:.0%}")
     picture = studio.picture(viewer) if viewer else None
+    held = stage.reference
+    if picture and held and held.flip is not None and held.fits(picture.view):
+        told.append(f"FLIP over the mirrors {held.flip:.4f}")
     if picture and show_times:
         told += [f"{name} {time:.1f} ms" for name, time in reversed(picture.time_ms.items())]
     return told

@@ -5,7 +5,7 @@ from typing import ClassVar
 import bpy
 
 from ..blender.extract_memo import Memo
-from . import operators_bake, operators_compare, operators_export, stages, work
+from . import operators_bake, operators_compare, operators_export, operators_in_place, stages, work
 
 _MIRROR = "Catoptric mirror"
 
@@ -141,6 +141,7 @@ _CLASSES = (
     CATOPTRIC_OT_stop,
     *operators_bake.CLASSES,
     *operators_compare.CLASSES,
+    *operators_in_place.CLASSES,
     *operators_export.CLASSES,
 )
 

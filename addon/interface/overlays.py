@@ -21,14 +21,14 @@ _RAMP = np.float32(
 def picture(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
     """The picture itself, as far as half floats reach."""
     color, _ = canvas.pixels()
-    return _opaque(np.minimum(color[..., :3], _LARGEST_HALF))
+    return opaque(np.minimum(color[..., :3], _LARGEST_HALF))
 
 
 def reflectors(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
     """Where a reflector shows: green over the darkened picture."""
     color, _ = canvas.pixels()
     dimmed = 0.2 * np.minimum(color[..., :3], 1.0)
-    return _opaque(dimmed + color[..., 3:] * np.float32([0.05, 0.6, 0.1]))
+    return opaque(dimmed + color[..., 3:] * np.float32([0.05, 0.6, 0.1]))
 
 
 def hit_distance(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
@@ -39,13 +39,13 @@ def hit_distance(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
     shown = np.zeros((*distance.shape, 3), np.float32)
     shown[met] = (middle / (middle + distance[met]))[:, None]
     shown[distance >= _FAR] = (0.0, 0.05, 0.3)
-    return _opaque(shown)
+    return opaque(shown)
 
 
 def layers(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
     """Layers of the layered depth textures: blue one, then teal, green, yellow, red for five and more."""
     counts = layer_view(resident, view.camera, canvas.visibility)
-    return _opaque(_RAMP[np.minimum(counts, len(_RAMP) - 1)])
+    return opaque(_RAMP[np.minimum(counts, len(_RAMP) - 1)])
 
 
 def regions(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
@@ -53,11 +53,20 @@ def regions(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
     found, _ = region_view(resident, view.camera, *canvas.size)
     color, _ = canvas.pixels()
     elsewhere = ~found.any(axis=-1, keepdims=True)[::-1]
-    return _opaque(found[::-1] + elsewhere * 0.2 * np.minimum(color[..., :3], 1.0))
+    return opaque(found[::-1] + elsewhere * 0.2 * np.minimum(color[..., :3], 1.0))
 
 
-def _opaque(color: np.ndarray) -> np.ndarray:
+def opaque(color: np.ndarray) -> np.ndarray:
+    """(H, W, 4) float32 from (H, W, 3)."""
     return np.concatenate([color, np.ones_like(color[..., :1])], axis=2).astype(np.float32, copy=False)
+
+
+def same_place(one: View, other: View) -> bool:
+    """Whether two pictures show the same, whatever their samples."""
+    a, b = one.camera, other.camera
+    lenses = [(camera.lens, camera.shift, camera.ortho_scale, camera.pixel_aspect) for camera in (a, b)]
+    sizes = [(view.width, view.height) for view in (one, other)]
+    return sizes[0] == sizes[1] and lenses[0] == lenses[1] and np.array_equal(a.matrix, b.matrix)
 
 
 DEVELOPS: dict[str, Develop] = {
@@ -67,4 +76,4 @@ DEVELOPS: dict[str, Develop] = {
     "LAYERS": layers,
     "REGIONS": regions,
 }
-"""By the identifiers of the setting."""
+"""By the identifiers of the setting; `in_place` adds those that hold the picture against one by Cycles."""

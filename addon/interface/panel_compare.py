@@ -18,6 +18,7 @@ def draw_compare(layout: bpy.types.UILayout, context: bpy.types.Context) -> None
     said = [*preflight.unsaved("the report"), *preflight.for_cycles(scene, context.view_layer)]
     for sentence in [trouble] if trouble else said:
         draw_text(layout, sentence, context, icon="ERROR" if trouble else "INFO")
+    layout.operator("catoptric.compare_in_place", icon="ARROW_LEFTRIGHT")
     layout.operator("catoptric.compare", icon="IMAGE_REFERENCE")
     layout.operator("catoptric.open_report", icon="URL")
 

@@ -15,6 +15,7 @@ from ..methods.studio import Act, Studio
 from ..scene import Camera, Lighting, Scene
 from . import lights
 from .choices import method_of
+from .in_place import InPlace
 
 ENGINE = "CATOPTRIC"
 _POLL = 1.0 / 60.0
@@ -30,6 +31,7 @@ class Stage:
         self.shown: Scene | None = None
         self.problem = ""
         self.act = 0
+        self.reference: InPlace | None = None
         self.viewers: dict[int, Hashable] = {}
         self._scene, self._layer = scene.session_uid, layer.name
         self.stale = True

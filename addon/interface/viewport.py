@@ -11,7 +11,7 @@ from gpu_extras.presets import draw_texture_2d
 from ..methods.contract import View
 from ..methods.studio import Develop, Picture
 from ..scene import Camera
-from .overlays import DEVELOPS
+from .overlays import DEVELOPS, same_place
 from .stages import Stage, wait_for_news
 
 
@@ -32,7 +32,8 @@ class Viewport:
         scene, region = context.scene, context.region
         settings = scene.catoptric
         stage.viewers[region.as_pointer()] = self
-        self._ask(_view(context, int(settings.scale)), int(settings.samples), DEVELOPS[settings.overlay])
+        view = view_of(region, context.region_data, int(settings.scale))
+        self._ask(view, int(settings.samples), _develop_of(stage, settings.overlay))
         picture = stage.studio.picture(self)
         if picture is None:
             return
@@ -50,7 +51,7 @@ class Viewport:
         """A sample a pixel while anything moves, then a smooth picture."""
         picture = self._stage.studio.picture(self)
         is_new = picture is not None and (picture.act, picture.develop) == (self._stage.act, develop)
-        if not is_new or not _same_place(picture.view, view):
+        if not is_new or not same_place(picture.view, view):
             self._stage.studio.look(self, view, develop)
         elif picture.view.samples < samples:
             self._stage.studio.look(self, replace(view, samples=samples), develop)
@@ -64,19 +65,18 @@ class Viewport:
             self._stage.studio.leave(self)
 
 
-def _view(context: bpy.types.Context, scale: int) -> View:
-    region, seen = context.region, context.region_data
+def view_of(region: bpy.types.Region, seen: bpy.types.RegionView3D, scale: int) -> View:
+    """What a region of a viewport shows, at the screen's resolution over `scale`."""
     width, height = max(1, region.width // scale), max(1, region.height // scale)
     camera = Camera.of_matrices(np.array(seen.view_matrix), np.array(seen.window_matrix), width, height)
     return View(camera, width, height, samples=1)
 
 
-def _same_place(one: View, other: View) -> bool:
-    if (one.width, one.height) != (other.width, other.height):
-        return False
-    a, b = one.camera, other.camera
-    lenses = [(camera.lens, camera.shift, camera.ortho_scale, camera.pixel_aspect) for camera in (a, b)]
-    return lenses[0] == lenses[1] and np.array_equal(a.matrix, b.matrix)
+def _develop_of(stage: Stage, overlay: str) -> Develop:
+    """What turns a canvas into what `overlay` shows; the picture itself where there is nothing to hold it against."""
+    if stage.reference is not None and overlay in {"SPLIT", "ERROR"}:
+        return stage.reference.split if overlay == "SPLIT" else stage.reference.error
+    return DEVELOPS.get(overlay, DEVELOPS["PICTURE"])
 
 
 def _texture(pixels: np.ndarray) -> gpu.types.GPUTexture:
