@@ -10,9 +10,11 @@ import importlib.util
 import os
 import sys
 import threading
+import traceback
 from pathlib import Path
 
-_STOPPED = 130
+_FAILED, _STOPPED = 1, 130
+_POLITENESS = 10
 
 
 def _load_package() -> None:
@@ -37,6 +39,13 @@ if __name__ == "__main__":
     sys.path += [path for path in paths.split(os.pathsep) if path not in sys.path]
     os.environ["CATOPTRIC_PROGRESS"] = "lines"
     threading.Thread(target=_watch_over, daemon=True).start()
-    _load_package()
-    status = importlib.import_module("catoptric.batch.requests").main(request)
+    if hasattr(os, "nice"):
+        os.nice(_POLITENESS)  # the Blender that somebody works in comes first
+    try:
+        _load_package()
+        status = importlib.import_module("catoptric.batch.requests").main(request)
+    except Exception as defect:  # in a script, Blender would go on, and end as if all were well
+        traceback.print_exc()
+        print(f"catoptric: {type(defect).__name__}: {defect}", file=sys.stderr, flush=True)
+        status = _FAILED
     os._exit(status)  # what Blender would do on its way out is for windows

@@ -22,6 +22,9 @@ _SCRIPT = Path(__file__).resolve().parents[2] / "batch" / "beside.py"
 _PROGRESS = re.compile(r"progress (\d\.\d+) (.*)")
 _OURS = "catoptric: "
 _PATIENCE_S = 3.0
+_FLAGS = getattr(subprocess, "CREATE_NO_WINDOW", 0) | getattr(subprocess, "BELOW_NORMAL_PRIORITY_CLASS", 0)
+"""On Windows; elsewhere the process itself gives way to others."""
+
 _running: "set[ProcessTask]" = set()
 
 
@@ -61,7 +64,7 @@ class ProcessTask(Task):
                 stderr=subprocess.PIPE,
                 encoding="utf-8",
                 errors="replace",
-                creationflags=getattr(subprocess, "CREATE_NO_WINDOW", 0),
+                creationflags=_FLAGS,
             )
         except OSError as error:
             raise MachineError(f"cannot start {command[0]}: {error.strerror}") from error

@@ -7,7 +7,7 @@ from pathlib import Path
 
 import bpy
 
-from ..errors import SceneError
+from ..errors import MachineError, SceneError
 from ..methods.registry import METHODS
 from . import preflight
 from .background import ProcessTask
@@ -27,6 +27,8 @@ class _Comparison(ProcessTask):
 
     def finish(self) -> None:
         """Open the report."""
+        if not self._report.is_file():
+            raise MachineError(f"no report was written; {self.notes[-1] if self.notes else 'Blender ended too early'}")
         self.outcome = f"Report: {self._report}"
         if not bpy.app.background:
             show(self._report)

@@ -11,7 +11,7 @@ from .panel_bakes import draw_bakes
 from .panel_compare import draw_compare, draw_export
 from .panel_drawing import draw_parameters, draw_text
 from .panel_reflectors import draw_reflectors
-from .working import said_of
+from .texts import sentence
 
 
 class _Part(NamedTuple):
@@ -80,12 +80,13 @@ def _draw_work(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     stage = stages.known(context.scene, context.view_layer)
     if task is not None:
         row = layout.row(align=True)
-        row.progress(factor=task.fraction, text=said_of(task))
+        row.progress(factor=task.fraction, text=f"{task.label}: {task.fraction:.0%}")
         row.operator("catoptric.stop", text="", icon="CANCEL")
+        draw_text(layout, sentence(task.stage) or "Beginning", context)
     elif work.last():
         draw_text(layout, work.last(), context, icon="INFO")
     if stage is not None and stage.studio.stage and stage.studio.busy:
-        layout.progress(factor=stage.studio.fraction, text=stage.studio.stage.capitalize())
+        layout.progress(factor=stage.studio.fraction, text=sentence(stage.studio.stage))
 
 
 def _warnings(context: bpy.types.Context) -> tuple[str, ...]:

@@ -39,9 +39,12 @@ def draw_bakes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     if len(account.objects) > _MOST:
         column.label(text=f"and {len(account.objects) - _MOST} more")
     row = layout.row(align=True)
-    row.operator("catoptric.bake", text="Bake All", icon="RENDER_STILL")
+    todo = row.row(align=True)
+    todo.enabled = any(state.kind != bakes.FRESH for state in account.objects)
+    todo.operator("catoptric.bake", text="Bake All", icon="RENDER_STILL")
     row.operator("catoptric.clear", text="Clear All", icon="TRASH")
-    layout.label(text=f"{size_of(account.size)} on disk; baking takes about {size_of(account.memory)} of memory")
+    said = f"{size_of(account.size)} on disk; baking takes about {size_of(account.memory)} of memory"
+    draw_text(layout, said, context)
 
 
 def line_of(state: bakes.State) -> str:

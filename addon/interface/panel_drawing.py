@@ -18,6 +18,6 @@ def draw_text(layout: bpy.types.UILayout, text: str, context: bpy.types.Context,
     """Text of any length, in lines that fit the region."""
     column = layout.column(align=True)
     scale = context.preferences.system.ui_scale
-    room = context.region.width - (70 if icon == "NONE" else 95) * scale
+    room = context.region.width - (45 if icon == "NONE" else 70) * scale
     for number, line in enumerate(wrapped(text, room, scale)):
         column.label(text=line, icon=icon if number == 0 else "BLANK1" if icon != "NONE" else "NONE")

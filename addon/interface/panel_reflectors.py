@@ -5,7 +5,7 @@ import bpy
 from . import stages
 from .choices import OF_SCENE
 from .panel_drawing import draw_parameters, draw_text
-from .texts import count_of, drawn_by, reflected_of, reflectors_of
+from .texts import count_of, drawn_by, reflected_of, reflectors_of, sentence
 
 _MOST = 24
 """Rows; a longer list is for the outliner."""
@@ -65,4 +65,4 @@ def _draw_object(layout, context: bpy.types.Context, holder: bpy.types.Object, s
         draw_parameters(box, holder.catoptric.methods, holder.catoptric.method)
     choice = stage.studio.choices.get(names[0])
     if choice is not None and choice.reason:
-        draw_text(box, choice.reason[0].upper() + choice.reason[1:], context, icon="INFO")
+        draw_text(box, sentence(choice.reason), context, icon="INFO")

@@ -17,6 +17,11 @@ def wrapped(text: str, width: float, scale: float = 1.0) -> list[str]:
     return textwrap.wrap(text, max(letters, 16)) or [""]
 
 
+def sentence(phrase: str) -> str:
+    """A phrase with a capital at its beginning."""
+    return phrase[:1].upper() + phrase[1:]
+
+
 def method_label(name: str) -> str:
     """A method's name as people read it."""
     return name.replace("-", " ").capitalize()

@@ -160,12 +160,14 @@ def _look() -> float | None:
     task = _current
     if task is None:
         return None
+    before = task.stage, task.fraction, task.stopped
     try:
         ended = task.look()
     except Exception as defect:  # nobody waits for a timer: what it raised would be lost
         task.problem, ended = f"{type(defect).__name__}: {defect}", True
         _log.exception("%s failed", task.label)
-    redraw_panels()
+    if ended or before != (task.stage, task.fraction, task.stopped):
+        redraw_panels()
     if not ended:
         return _POLL
     _current = None
