@@ -98,6 +98,18 @@ def test_asking_takes_no_time(studio):
     assert studio.picture("window").view is quick
 
 
+def test_asking_again_for_the_same_does_not_begin_anew(studio):
+    scene = stage()
+    studio.show(act(scene))
+    rest(studio)
+    end = time.monotonic() + 60.0
+    while (picture := studio.picture("window")) is None:
+        studio.look("window", View(scene.camera, 256, 256, 8), plain)
+        assert time.monotonic() < end
+        time.sleep(0.002)
+    assert picture.view.samples == 8
+
+
 def test_a_failure_is_told_and_the_last_picture_stays(studio):
     scene = stage()
     view = View(scene.camera, *SIZE, 1)

@@ -6,7 +6,7 @@ import numpy as np
 
 from ..drawing import Canvas, Resident
 from ..methods.contract import View
-from .overlays import opaque, picture, same_place
+from .overlays import opaque, picture
 
 _LINE = 0.9
 
@@ -23,7 +23,7 @@ class InPlace:
 
     def fits(self, view: View) -> bool:
         """Whether a picture of `view` may be held against this one."""
-        return same_place(self.view, view)
+        return self.view.shows_the_same(view)
 
     def split(self, canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
         """Ours to the left, Cycles to the right; ours alone once the view has changed."""

@@ -61,14 +61,6 @@ def opaque(color: np.ndarray) -> np.ndarray:
     return np.concatenate([color, np.ones_like(color[..., :1])], axis=2).astype(np.float32, copy=False)
 
 
-def same_place(one: View, other: View) -> bool:
-    """Whether two pictures show the same, whatever their samples."""
-    a, b = one.camera, other.camera
-    lenses = [(camera.lens, camera.shift, camera.ortho_scale, camera.pixel_aspect) for camera in (a, b)]
-    sizes = [(view.width, view.height) for view in (one, other)]
-    return sizes[0] == sizes[1] and lenses[0] == lenses[1] and np.array_equal(a.matrix, b.matrix)
-
-
 DEVELOPS: dict[str, Develop] = {
     "PICTURE": picture,
     "REFLECTORS": reflectors,

@@ -11,7 +11,7 @@ from gpu_extras.presets import draw_texture_2d
 from ..methods.contract import View
 from ..methods.studio import Develop, Picture
 from ..scene import Camera
-from .overlays import DEVELOPS, same_place
+from .overlays import DEVELOPS
 from .stages import Stage, wait_for_news
 
 
@@ -51,7 +51,7 @@ class Viewport:
         """A sample a pixel while anything moves, then a smooth picture."""
         picture = self._stage.studio.picture(self)
         is_new = picture is not None and (picture.act, picture.develop) == (self._stage.act, develop)
-        if not is_new or not same_place(picture.view, view):
+        if not is_new or not picture.view.shows_the_same(view):
             self._stage.studio.look(self, view, develop)
         elif picture.view.samples < samples:
             self._stage.studio.look(self, replace(view, samples=samples), develop)

@@ -23,6 +23,13 @@ class View:
     height: int
     samples: int = 4
 
+    def shows_the_same(self, other: "View") -> bool:
+        """Whether pictures of the two may be held against each other, pixel by pixel, whatever their samples."""
+        a, b = self.camera, other.camera
+        lenses = [(camera.lens, camera.shift, camera.ortho_scale, camera.pixel_aspect) for camera in (a, b)]
+        sizes = [(view.width, view.height) for view in (self, other)]
+        return sizes[0] == sizes[1] and lenses[0] == lenses[1] and np.array_equal(a.matrix, b.matrix)
+
 
 @dataclass(eq=False)
 class Frame:

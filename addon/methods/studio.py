@@ -63,6 +63,7 @@ class Studio:
         self._wanted: Act | None = None
         self._shown: Act | None = None
         self._asked = self._on_stage = 0
+        self._under_way: tuple[Hashable, View, Develop] | None = None
         self._wishes: dict[Hashable, tuple[View, Develop]] = {}
         self._pictures: dict[Hashable, Picture] = {}
         self._canvases: dict[Hashable, Canvas] = {}
@@ -85,8 +86,18 @@ class Studio:
     def look(self, viewer: Hashable, view: View, develop: Develop) -> None:
         """Have `viewer`'s picture drawn as soon as may be."""
         with self._lock:
+            if self._is_under_way(viewer, view, develop):
+                self._wishes.pop(viewer, None)
+                return
             self._wishes[viewer] = view, develop
         self._go_on()
+
+    def _is_under_way(self, viewer: Hashable, view: View, develop: Develop) -> bool:
+        """Whether this very picture is being drawn just now; to ask again must not begin it anew."""
+        if self._under_way is None or self._wanted is not None:
+            return False
+        who, what, how = self._under_way
+        return (who, how, what.samples) == (viewer, develop, view.samples) and what.shows_the_same(view)
 
     def picture(self, viewer: Hashable) -> Picture | None:
         """The newest one of `viewer`, which may be of an older view."""
@@ -127,6 +138,7 @@ class Studio:
             _log.exception("the studio failed")
         finally:
             with self._lock:
+                self._under_way = None
                 drawable = bool(self._wishes) and self._method is not None
                 self._working = more = not self._closed and (self._wanted is not None or drawable)
             if more:
@@ -139,6 +151,7 @@ class Studio:
             act, self._wanted, number = self._wanted, None, self._asked
             if act is None and self._wishes and self._method:
                 wish = self._wishes.popitem()
+                self._under_way = (wish[0], *wish[1])
         if act:
             self._set(act)
             self._on_stage = number
