@@ -116,7 +116,7 @@ class Cache:
             with path.open("rb") as file:
                 entry = _read(file)
             os.utime(path, (time.time(), path.stat().st_mtime))
-        except FileNotFoundError:
+        except (FileNotFoundError, NotADirectoryError):
             return None
         except PermissionError as error:
             raise MachineError(f"cannot read the cache file {path}: {error.strerror}") from error

@@ -158,7 +158,7 @@ def _state(uid: int, name: str, key: str, settings: Settings, now: Standing) -> 
         _seen[uid, name] = key, settings, now
         return State(name, FRESH, "", *kept)
     if (uid, name) not in _seen:
-        return State(name, MISSING, "never baked as it is now")
+        return State(name, MISSING)
     old, before, then = _seen[uid, name]
     left = Cache().look(KIND, old)
     if left is None or old == key:

@@ -54,17 +54,21 @@ def known(scene: bpy.types.Scene) -> Light | None:
     return _lights.get(uid)
 
 
-def shown(bpy_scene: bpy.types.Scene, scene: Scene) -> Scene:
-    """`scene`, just extracted, with what light there is, where its settings ask for that."""
-    if bpy_scene.catoptric.lighting != Lighting.CYCLES:
-        return scene
+def shown(bpy_scene: bpy.types.Scene, scene: Scene) -> tuple[Scene, Lighting]:
+    """`scene`, just extracted, with what baked light there is, and the light to show it in.
+
+    Where baked light is asked for and there is none yet, lamps stand in for it.
+    """
+    lighting = Lighting(bpy_scene.catoptric.lighting)
+    if lighting is not Lighting.CYCLES:
+        return scene, lighting
     light = known(bpy_scene)
     if light is None:
-        return scene
+        return scene, Lighting.DIRECT
     _keys.sweep(scene)
     meshes = _keys.of(scene.meshes)
     fitting = {one.name for one in scene.instances if light.before.meshes.get(one.name) == meshes[one.mesh]}
-    return dressed(scene, light.scene, fitting)
+    return dressed(scene, light.scene, fitting), lighting
 
 
 def keep(uid: int, kept_as: str, archive: Path, read: Scene) -> None:

@@ -76,6 +76,8 @@ class CATOPTRIC_OT_bake(Working, bpy.types.Operator):
     def task(self, context: bpy.types.Context) -> work.Task:
         """The layers of one object, or of all that are not fresh."""
         account = bakes.wait_for(context.scene, read_stage(context))
+        if account.light is not None and account.light.kind == bakes.MISSING:
+            raise SceneError("the light is missing, and would be in what is baked: press Bake Light first")
         wanted = [self.name] if self.name else [state.name for state in account.objects if state.kind != bakes.FRESH]
         missing = [name for name in wanted if name not in account.instances]
         if missing:

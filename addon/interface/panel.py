@@ -5,7 +5,8 @@ from typing import NamedTuple
 
 import bpy
 
-from . import stages, work
+from ..scene import Lighting
+from . import lights, stages, work
 from .operators import views_of
 from .panel_bakes import draw_bakes
 from .panel_compare import draw_compare, draw_export
@@ -51,6 +52,9 @@ def draw_settings(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     layout.prop(settings, "method")
     draw_parameters(layout, settings.methods, settings.method)
     layout.prop(settings, "lighting")
+    if settings.lighting == Lighting.CYCLES and lights.known(context.scene) is None and not lights.busy():
+        draw_text(layout, "No light is baked yet; lamps stand in for it", context, icon="INFO")
+        layout.operator("catoptric.bake_light", icon="LIGHT")
 
 
 def draw_view(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:

@@ -12,7 +12,7 @@ from ..blender.names import object_name
 from ..errors import CatoptricError
 from ..methods.mixed import Assignment
 from ..methods.studio import Act, Studio
-from ..scene import Camera, Lighting, Scene
+from ..scene import Camera, Scene
 from . import lights
 from .choices import method_of
 from .in_place import InPlace
@@ -54,15 +54,14 @@ class Stage:
         layer = scene.view_layers.get(self._layer) if scene else None
         if layer is None or layer.depsgraph is None:
             return
-        settings = scene.catoptric
         try:
             found = extract(scene, layer.depsgraph, camera=Camera(_ANYWHERE), memo=self.memo)
         except CatoptricError as problem:
             self.problem = str(problem)
             return
         self.problem, self.found = "", found
-        self.shown = lights.shown(scene, found)
-        self.act = self.studio.show(Act(self.shown, Lighting(settings.lighting), assignment(scene, found)))
+        self.shown, lighting = lights.shown(scene, found)
+        self.act = self.studio.show(Act(self.shown, lighting, assignment(scene, found)))
 
 
 def assignment(bpy_scene: bpy.types.Scene, scene: Scene) -> Assignment:
