@@ -160,13 +160,13 @@ def _look() -> float | None:
     task = _current
     if task is None:
         return None
-    before = task.stage, task.fraction, task.stopped
+    before = _said(task)
     try:
         ended = task.look()
     except Exception as defect:  # nobody waits for a timer: what it raised would be lost
         task.problem, ended = f"{type(defect).__name__}: {defect}", True
         _log.exception("%s failed", task.label)
-    if ended or before != (task.stage, task.fraction, task.stopped):
+    if ended or before != _said(task):
         redraw_panels()
     if not ended:
         return _POLL
@@ -180,6 +180,11 @@ def _look() -> float | None:
     task.drop()
     tell(task.problem or (f"{task.label}: stopped" if task.stopped else task.outcome or f"{task.label}: done"))
     return None
+
+
+def _said(task: Task) -> tuple[str, float, bool]:
+    """What the panel shows of a task."""
+    return task.stage, round(task.fraction, 2), task.stopped
 
 
 def redraw_panels() -> None:
