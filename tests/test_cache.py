@@ -4,6 +4,7 @@ import errno
 import os
 import subprocess
 import sys
+import time
 from dataclasses import dataclass
 from enum import IntEnum
 
@@ -191,3 +192,18 @@ def test_the_environment_moves_the_cache(tmp_path, monkeypatch):
     assert Cache().folder == tmp_path
     monkeypatch.delenv("CATOPTRIC_CACHE")
     assert Cache().folder != tmp_path
+
+
+def test_what_is_kept_is_known_without_reading_it(tmp_path):
+    cache, key = Cache(tmp_path), key_of("a")
+    assert cache.look("kind", key) is None
+    cache.put("kind", key, {"a": np.zeros(1000)})
+    kept = cache.look("kind", key)
+    assert kept.size == cache.size()
+    assert abs(kept.written - time.time()) < 60
+    os.utime(tmp_path / "kind" / f"{key}.npz", (0, 1000.0))
+    assert cache.get("kind", key) is not None
+    assert cache.look("kind", key).written == 1000.0  # to use it is not to write it
+    cache.remove("kind", key)
+    cache.remove("kind", key)
+    assert cache.get("kind", key) is None
