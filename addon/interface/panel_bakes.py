@@ -36,6 +36,8 @@ def draw_bakes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
             row.operator("catoptric.bake", text="", icon="RENDER_STILL").name = state.name
         if state.size:
             row.operator("catoptric.clear", text="", icon="TRASH").name = state.name
+        if state.why:
+            draw_text(column, state.why, context, icon="BLANK1")
     if len(account.objects) > _MOST:
         column.label(text=f"and {len(account.objects) - _MOST} more")
     row = layout.row(align=True)
@@ -49,14 +51,15 @@ def draw_bakes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
 
 def line_of(state: bakes.State) -> str:
     """A bake in one line."""
-    why = f" ({state.why})" if state.why else ""
     kept = f", {size_of(state.size)}, {ago(time.time() - state.written)}" if state.size else ""
-    return f"{state.name}: {state.kind}{why}{kept}"
+    return f"{state.name}: {state.kind}{kept}"
 
 
 def _draw_light(layout: bpy.types.UILayout, context: bpy.types.Context, state: bakes.State) -> None:
     box = layout.box()
     box.label(text=line_of(state), icon=_ICONS[state.kind])
+    if state.why:
+        draw_text(box, state.why, context, icon="BLANK1")
     if state.kind != bakes.FRESH:
         for sentence in (*unsaved("the light"), *for_cycles(context.scene, context.view_layer)):
             draw_text(box, sentence, context, icon="INFO")
