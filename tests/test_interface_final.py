@@ -70,6 +70,13 @@ def test_the_passes_belong_together(scene, tmp_path):
     assert rest.min() > -1e-5
 
 
+def test_lamps_stand_in_for_light_that_is_not_baked(scene, tmp_path):
+    scene.catoptric.lighting = "direct"
+    by_lamps = rendered(scene, tmp_path / "a.exr")["Combined"]
+    scene.catoptric.lighting = "cycles"
+    np.testing.assert_array_equal(rendered(scene, tmp_path / "b.exr")["Combined"], by_lamps)
+
+
 def test_a_scene_without_a_camera_says_so(scene, capfd):
     scene.camera = None
     with pytest.raises(RuntimeError, match="camera"):

@@ -12,8 +12,7 @@ from ..gl import call
 from ..methods.contract import View
 from ..methods.mixed import Mixed
 from ..progress import Progress, part_of
-from ..scene import Lighting
-from . import stages
+from . import lights, stages
 
 PASSES = (
     ("Combined", "RGBA", "COLOR"),
@@ -41,9 +40,12 @@ def final_passes(
     found = extract(scene, depsgraph, progress=part_of(progress, 0.0, 0.3), memo=memo)
     for warning in found.warnings:
         warn(warning)
+    found, lighting = lights.shown(scene, found, wait=True)
+    if lighting != settings.lighting:
+        warn("the light is not baked yet; lamps stand in for it (press Bake Light in the panel)")
     method = Mixed(stages.assignment(scene, found))
     try:
-        method.prepare(found, Lighting(settings.lighting), part_of(progress, 0.3, 0.6))
+        method.prepare(found, lighting, part_of(progress, 0.3, 0.6))
         view = View(found.camera, *found.resolution, int(settings.samples))
         return call(_painted, method, view, np.array([0, *_numbers(found.instances)]), part_of(progress, 0.6, 1.0))
     finally:

@@ -54,15 +54,19 @@ def known(scene: bpy.types.Scene) -> Light | None:
     return _lights.get(uid)
 
 
-def shown(bpy_scene: bpy.types.Scene, scene: Scene) -> tuple[Scene, Lighting]:
+def shown(bpy_scene: bpy.types.Scene, scene: Scene, wait: bool = False) -> tuple[Scene, Lighting]:
     """`scene`, just extracted, with what baked light there is, and the light to show it in.
 
-    Where baked light is asked for and there is none yet, lamps stand in for it.
+    Where baked light is asked for and there is none yet, lamps stand in for it. With `wait`, light that is
+    being read counts as well; passes on the `CatoptricError` that reading it raises.
     """
     lighting = Lighting(bpy_scene.catoptric.lighting)
     if lighting is not Lighting.CYCLES:
         return scene, lighting
     light = known(bpy_scene)
+    reading = _loading.get(bpy_scene.session_uid)
+    if wait and reading is not None:
+        light = reading.result()
     if light is None:
         return scene, Lighting.DIRECT
     _keys.sweep(scene)
