@@ -30,11 +30,14 @@ stage = stages.known(bpy.context.scene, bpy.context.view_layer)
 print(len(stage.found.reflectors) if stage and stage.found else "none")
 """
 )
+LONG_WORK = """
+bpy.ops.mesh.primitive_uv_sphere_add(segments=256, ring_count=128, location=(3.0, 0.0, 0.0))
+bpy.context.scene.catoptric.methods.layered_depth_published.resolution = 2048
+"""
 BEGIN = """
 window, area, regions = view3d()
-bpy.context.scene.catoptric.reference_samples = 4096
 with bpy.context.temp_override(window=window, area=area, region=regions["UI"]):
-    bpy.ops.catoptric.compare("INVOKE_DEFAULT")
+    bpy.ops.catoptric.bake("INVOKE_DEFAULT")
 """
 CURRENT = MODULES + "print(work.current() is not None, work.last())"
 
@@ -67,13 +70,14 @@ def test_two_clicks_lead_to_a_reflection(window, tmp_path):
     until(window, REFLECTORS, "1")
 
 
-def test_esc_stops_a_comparison(window):
-    window.python(BEGIN)
+def test_esc_stops_a_bake(window):
+    window.python(LONG_WORK)
     window.settle(3.0)
+    window.python(BEGIN)
     assert window.python(CURRENT).startswith("True")
     x, y = map(float, window.python("r = view3d()[2]['WINDOW']; print(r.x + 200, r.y + 200)").split())
     window.xdotool("mousemove", round(x), round(window.size[1] - 1 - y), "sleep", 0.3, "key", "Escape")
-    until(window, CURRENT, "False Comparing with Cycles: stopped")
+    until(window, CURRENT, "False Baking layers: stopped")
 
 
 def test_the_render_tab_shows_the_same(window):
