@@ -64,7 +64,9 @@ def _shows_itself(situation: Situation) -> Choice | None:
 
 def _blurred(situation: Situation) -> Choice | None:
     size = situation.texel_on_screen(CUBE_SIZE.default)
-    if size <= situation.tolerance:
+    misplaced = min(situation.parallax.max(initial=0.0), situation.room_error)
+    # Where things would be out of place as well, that is the reason that a person expects.
+    if size <= situation.tolerance or misplaced > situation.tolerance:
         return None
     return Choice(
         LayeredDepth.name,

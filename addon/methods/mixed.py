@@ -83,7 +83,7 @@ class Mixed(EnsembleMethod):
 
 
 class Auto(Mixed):
-    """Each reflector by the cheapest method that its surroundings allow; `choices` says why.
+    """Each reflector by the cheapest method that its surroundings allow, with the reason.
 
     An environment map shows everything as if it lay infinitely far away. How far that puts the nearest
     object out of place on the screen follows from its distance, the reflector's size and curvature, and the
