@@ -7,9 +7,10 @@ import bpy
 import numpy as np
 
 from ..blender.extract import extract
+from ..blender.extract_camera import check_camera
 from ..blender.extract_memo import Memo
 from ..blender.names import object_name
-from ..errors import CatoptricError
+from ..errors import CatoptricError, SceneError
 from ..methods.mixed import Assignment
 from ..methods.studio import Act, Studio
 from ..scene import Camera, Scene
@@ -55,7 +56,7 @@ class Stage:
         if layer is None or layer.depsgraph is None:
             return
         try:
-            found = extract(scene, layer.depsgraph, camera=Camera(_ANYWHERE), memo=self.memo)
+            found = extract(scene, layer.depsgraph, camera=_stand_in(scene), memo=self.memo)
         except CatoptricError as problem:
             self.problem = str(problem)
             return
@@ -70,7 +71,15 @@ def assignment(bpy_scene: bpy.types.Scene, scene: Scene) -> Assignment:
     return {name: method_of(bpy_scene, bpy.data.objects.get(object_name(name))) for name in reflectors}
 
 
-_ANYWHERE = np.eye(4)  # viewports bring their own cameras
+def _stand_in(bpy_scene: bpy.types.Scene) -> Camera | None:
+    """A camera where the scene has none that will do: a viewport brings its own, but Auto looks from the scene's."""
+    try:
+        check_camera(bpy_scene)
+    except SceneError:
+        return Camera(np.eye(4))
+    return None
+
+
 _stages: dict[tuple[int, str], Stage] = {}
 _news = threading.Event()
 
