@@ -1,5 +1,6 @@
 """What a picture is drawn on."""
 
+import moderngl
 import numpy as np
 
 from ..errors import MachineError, UsageError
@@ -39,15 +40,17 @@ class Canvas:
             target.depth_mask = False  # neither a pass nor a clear may wipe the parts
 
     def clear(self) -> None:
-        """Wipe colour and distance."""
-        for target in (self.centre, self.picture):
-            target.clear()
+        """Wipe everything that passes add to; the spare distances count for nothing."""
+        self.centre.clear()
+
+    def rows(self, texture: moderngl.Texture) -> np.ndarray:
+        """(H, W, channels) float32 of one of the textures as it is, row 0 at the bottom."""
+        width, height = self.size
+        return np.frombuffer(texture.read(), np.float32).reshape(height, width, -1)
 
     def pixels(self) -> tuple[np.ndarray, np.ndarray]:
         """`color` (H, W, 4) and `distance` (H, W) as they are: row 0 at the bottom, 0 off the reflectors."""
-        width, height = self.size
-        color = np.frombuffer(self.color.read(), np.float32).reshape(height, width, 4)
-        return color, np.frombuffer(self.distance.read(), np.float32).reshape(height, width)
+        return self.rows(self.color), self.rows(self.distance)[..., 0]
 
     def read(self) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
         """Colour (H, W, 3), reflectors (H, W) and distance (H, W) as a `Frame` has them."""
@@ -58,8 +61,7 @@ class Canvas:
 
     def read_reflection(self) -> np.ndarray:
         """(H, W, 3) float32, row 0 the top: what the reflections add to the colour; for a canvas that keeps them."""
-        width, height = self.size
-        return np.frombuffer(self.reflection.read(), np.float32).reshape(height, width, 4)[::-1, :, :3].copy()
+        return self.rows(self.reflection)[::-1, :, :3].copy()
 
     def read_instances(self) -> np.ndarray:
         """(H, W) int64, row 0 the top: the instance that the last sample of each pixel shows, -1 for the world."""

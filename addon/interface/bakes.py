@@ -14,6 +14,7 @@ from ..cache import Cache
 from ..methods.layered_depth_published import MEMORY, LayeredDepthPublished
 from ..scene import Lighting, Scene
 from . import lights, stages, work
+from .leaving import forgetting_factory
 
 _POLL = 0.1
 _BYTES_A_LAYER = 64
@@ -189,21 +190,10 @@ def _memory(scene: Scene, index: int, resolution: int) -> int:
     return _BYTES_A_LAYER * _LAYERS_GUESSED * sum(columns * rows for columns, rows in shapes)
 
 
-@bpy.app.handlers.persistent
-def _forget_all(*_: object) -> None:
+def _forget_all() -> None:
     _accounts.clear()
     _pending.clear()
     _seen.clear()
 
 
-def register() -> None:
-    """Forget all accounts whenever another file is opened."""
-    bpy.app.handlers.load_pre.append(_forget_all)
-
-
-def unregister() -> None:
-    """Forget all accounts."""
-    bpy.app.handlers.load_pre.remove(_forget_all)
-    if bpy.app.timers.is_registered(poll):
-        bpy.app.timers.unregister(poll)
-    _forget_all()
+register, unregister = forgetting_factory(_forget_all, poll)

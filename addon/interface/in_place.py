@@ -44,7 +44,7 @@ class InPlace:
     def _judge(self, canvas: Canvas, view: View) -> np.ndarray:
         from ..metrics.flip import flip_map  # a wheel that a distribution's own Blender may lack
 
-        color, _ = canvas.pixels()
+        color = canvas.rows(canvas.color)
         errors = flip_map(np.ascontiguousarray(color[::-1, :, :3]), np.ascontiguousarray(self.color[::-1]))[::-1]
         mirrors = color[..., 3] >= 0.5
         self.flip = float(errors[mirrors].mean()) if mirrors.any() else None

@@ -15,6 +15,7 @@ from ..errors import CatoptricError
 from ..scene import Lighting, Scene
 from ..scene.archive import EXTENSION, load
 from . import work
+from .leaving import forgetting_factory
 
 _KIND = "light"
 _POLL = 0.1
@@ -141,20 +142,9 @@ def wait(seconds: float = 60.0) -> None:
         poll()
 
 
-@bpy.app.handlers.persistent
-def _forget_all(*_: object) -> None:
+def _forget_all() -> None:
     _lights.clear()
     _loading.clear()
 
 
-def register() -> None:
-    """Forget all light whenever another file is opened."""
-    bpy.app.handlers.load_pre.append(_forget_all)
-
-
-def unregister() -> None:
-    """Forget all light."""
-    bpy.app.handlers.load_pre.remove(_forget_all)
-    if bpy.app.timers.is_registered(poll):
-        bpy.app.timers.unregister(poll)
-    _forget_all()
+register, unregister = forgetting_factory(_forget_all, poll)

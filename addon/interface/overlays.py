@@ -20,20 +20,20 @@ _RAMP = np.float32(
 
 def picture(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
     """The picture itself, as far as half floats reach."""
-    color, _ = canvas.pixels()
+    color = canvas.rows(canvas.color)
     return opaque(np.minimum(color[..., :3], _LARGEST_HALF))
 
 
 def reflectors(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
     """Where a reflector shows: green over the darkened picture."""
-    color, _ = canvas.pixels()
+    color = canvas.rows(canvas.color)
     dimmed = 0.2 * np.minimum(color[..., :3], 1.0)
     return opaque(dimmed + color[..., 3:] * np.float32([0.05, 0.6, 0.1]))
 
 
 def hit_distance(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
     """How far off is what a mirror shows: white at its surface, grey at the median, black far away, the world blue."""
-    _, distance = canvas.pixels()
+    distance = canvas.rows(canvas.distance)[..., 0]
     met = (distance > 0.0) & (distance < _FAR)
     middle = float(np.median(distance[met])) if met.any() else 1.0
     shown = np.zeros((*distance.shape, 3), np.float32)
@@ -51,7 +51,7 @@ def layers(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
 def regions(canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
     """Reflection regions: green where an object may show in the reflector's triangle, red where none can."""
     found, _ = region_view(resident, view.camera, *canvas.size)
-    color, _ = canvas.pixels()
+    color = canvas.rows(canvas.color)
     elsewhere = ~found.any(axis=-1, keepdims=True)[::-1]
     return opaque(found[::-1] + elsewhere * 0.2 * np.minimum(color[..., :3], 1.0))
 

@@ -17,6 +17,7 @@ from ..scene import Camera, Scene
 from . import lights
 from .choices import method_of
 from .in_place import InPlace
+from .leaving import forgetting_factory
 
 ENGINE = "CATOPTRIC"
 _POLL = 1.0 / 60.0
@@ -46,7 +47,7 @@ class Stage:
         """Take note of what has changed; it is read soon, not in the middle of Blender's drawing."""
         self.memo.forget(depsgraph)
         self.stale = True
-        _wake()
+        wake()
 
     def read(self) -> None:
         """Read the scene anew, and have it drawn."""
@@ -90,7 +91,7 @@ def stage_of(depsgraph: bpy.types.Depsgraph) -> Stage:
     key = (scene.session_uid, layer.name)
     if key not in _stages:
         _stages[key] = Stage(scene, layer)
-        _wake()
+        wake()
     return _stages[key]
 
 
@@ -104,17 +105,13 @@ def touch() -> None:
     for stage in _stages.values():
         stage.stale = True
     if _stages:
-        _wake()
+        wake()
 
 
-def _wake() -> None:
+def wake() -> None:
+    """Read what is stale, and redraw the viewports as soon as a studio has something new to show."""
     if not bpy.app.timers.is_registered(_poll):
         bpy.app.timers.register(_poll)
-
-
-def wait_for_news() -> None:
-    """Redraw the viewports as soon as a studio has something new to show."""
-    _wake()
 
 
 def _poll() -> float | None:
@@ -138,22 +135,11 @@ def _redraw_viewports() -> None:
                 area.tag_redraw()
 
 
-@bpy.app.handlers.persistent
-def _close_all(*_: object) -> None:
+def _close_all() -> None:
     for stage in _stages.values():
         stage.studio.close()
     _stages.clear()
 
 
-def register() -> None:
-    """Forget all stages whenever another file is opened."""
-    lights.when_read = touch
-    bpy.app.handlers.load_pre.append(_close_all)
-
-
-def unregister() -> None:
-    """Stop all work."""
-    bpy.app.handlers.load_pre.remove(_close_all)
-    if bpy.app.timers.is_registered(_poll):
-        bpy.app.timers.unregister(_poll)
-    _close_all()
+lights.when_read = touch
+register, unregister = forgetting_factory(_close_all, _poll)

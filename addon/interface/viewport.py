@@ -12,7 +12,7 @@ from ..methods.contract import View
 from ..methods.studio import Develop, Picture
 from ..scene import Camera
 from .overlays import DEVELOPS
-from .stages import Stage, wait_for_news
+from .stages import Stage, wake
 
 
 class Viewport:
@@ -57,12 +57,14 @@ class Viewport:
             self._stage.studio.look(self, replace(view, samples=samples), develop)
         else:
             return
-        wait_for_news()
+        wake()
 
     def close(self) -> None:
         """Ask for nothing more."""
         if self._stage is not None:
             self._stage.studio.leave(self)
+            for region in [region for region, viewer in self._stage.viewers.items() if viewer is self]:
+                del self._stage.viewers[region]
 
 
 def view_of(region: bpy.types.Region, seen: bpy.types.RegionView3D, scale: int) -> View:

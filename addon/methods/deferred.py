@@ -19,6 +19,8 @@ _TIMED = 3
 class EnsembleMethod(Method):
     """A method that says which reflectors are drawn by what; an ensemble of one or several paints them."""
 
+    _ensemble: "Ensemble | None" = None
+
     @abstractmethod
     def cast(self, scene: Scene) -> "Cast":
         """Who draws which reflectors."""
@@ -44,8 +46,9 @@ class EnsembleMethod(Method):
 
     @on_gl_thread
     def release(self) -> None:
-        """Give the GPU memory back."""
-        self._ensemble.release()
+        """Give the GPU memory back, however far `prepare` came."""
+        if self._ensemble is not None:
+            self._ensemble.release()
 
 
 class DeferredMethod(EnsembleMethod):

@@ -167,7 +167,11 @@ class Studio:
             self._method.update(act.scene, self._report)
         else:
             method = Mixed(act.assignment)
-            method.prepare(act.scene, act.lighting, self._report)
+            try:
+                method.prepare(act.scene, act.lighting, self._report)
+            except BaseException:
+                method.release()
+                raise
             if self._method:
                 self._method.release()
             self._method = method
