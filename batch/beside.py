@@ -14,7 +14,7 @@ import traceback
 from pathlib import Path
 
 _FAILED, _STOPPED = 1, 130
-_POLITENESS = 10
+_POLITENESS = 15
 
 
 def _load_package() -> None:

@@ -1,6 +1,6 @@
 """The one OpenGL context: its thread, programs, data textures and timers."""
 
-from .context import adopt, call, on_gl_thread, require, submit
+from .context import adopt, call, give_way, on_gl_thread, require, submit
 from .programs import program, screen
 from .textures import DataTexture
 from .timers import Stopwatch, is_software
@@ -10,6 +10,7 @@ __all__ = [
     "Stopwatch",
     "adopt",
     "call",
+    "give_way",
     "is_software",
     "on_gl_thread",
     "program",

@@ -6,6 +6,7 @@ into it, or takes the thread away. On a thread of its own ours and Blender's nev
 A program with a window of its own, and no Blender in it, has a context already: `adopt` makes that the one.
 """
 
+import os
 import sys
 import threading
 from collections.abc import Callable
@@ -21,6 +22,7 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 _GL_VERSION = 410
+_POLITENESS = 10
 _worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="catoptric-gl")
 _local = threading.local()
 _choosing = threading.Lock()
@@ -74,6 +76,17 @@ def adopt(context: moderngl.Context) -> None:
         raise MachineError(_advice([f"the window has {context.info['GL_VERSION']}"]))
     _own(lambda: context)
     _local.is_gl = True
+
+
+@on_gl_thread
+def give_way() -> None:
+    """Let other threads of this process go before the GL thread, and before the threads its driver starts from now on.
+
+    For a program with an interface, before anything is drawn: where OpenGL is software, it fills every core, and
+    whoever moves the mouse would wait for it. Only Linux, where such machines are, counts priorities by thread.
+    """
+    if sys.platform.startswith("linux"):
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _POLITENESS)
 
 
 def _own(make: Callable[[], moderngl.Context]) -> None:

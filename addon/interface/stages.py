@@ -11,6 +11,7 @@ from ..blender.extract_camera import check_camera
 from ..blender.extract_memo import Memo
 from ..blender.names import object_name
 from ..errors import CatoptricError, SceneError
+from ..gl import give_way
 from ..methods.mixed import Assignment
 from ..methods.studio import Act, Studio
 from ..scene import Camera, Scene
@@ -142,4 +143,11 @@ def _close_all() -> None:
 
 
 lights.when_read = touch
-register, unregister = forgetting_factory(_close_all, _poll)
+_register, unregister = forgetting_factory(_close_all, _poll)
+
+
+def register() -> None:
+    """Be ready for viewports."""
+    if not bpy.app.background:
+        give_way()
+    _register()
