@@ -114,6 +114,20 @@ def test_supersampled_pictures_mix_as_well(scene, mixed):
     assert frame.time_ms["frame"] >= frame.time_ms["reflection"] > 0.0
 
 
+def test_each_method_has_a_time_of_its_own(scene, mixed):
+    method = mixed(scene, {BALL: ("environment-map", {"size": 16}), BLOCK: ("environment-map-dynamic", {})})
+    times = picture(method, scene).time_ms
+    shares = [times["environment-map"], times["environment-map-dynamic"]]
+    assert times["reflection"] == pytest.approx(sum(shares))
+    assert times["frame"] == pytest.approx(times["visibility"] + times["light"] + times["reflection"])
+    assert shares[1] > 5 * shares[0] > 0.0  # it captures six pictures for this one
+
+
+def test_one_method_with_two_settings_has_one_time(scene, mixed):
+    method = mixed(scene, {BALL: ("environment-map", {"size": 16}), BLOCK: ("environment-map", {"size": 32})})
+    assert list(picture(method, scene).time_ms) == ["visibility", "light", "reflection", "frame"]
+
+
 def test_settings_are_each_reflectors_own(scene, mixed):
     coarse, fine = {"size": 16}, {"size": 128}
     method = mixed(scene, {BALL: ("environment-map", coarse), BLOCK: ("environment-map", fine)})

@@ -1,8 +1,11 @@
 """Words in a viewport's corner: what each stage of a frame costs, how far a bake is, what went wrong."""
 
+from collections.abc import Mapping
+
 import blf
 import bpy
 
+from ..methods.techniques import TECHNIQUES
 from . import stages
 
 _SIZE = 12
@@ -20,8 +23,14 @@ def lines(stage: stages.Stage, viewer: object, show_times: bool) -> list[str]:
     if picture and held and held.flip is not None and held.fits(picture.view):
         told.append(f"FLIP over the mirrors {held.flip:.4f}")
     if picture and show_times:
-        told += [f"{name} {time:.1f} ms" for name, time in reversed(picture.time_ms.items())]
+        told += [f"{name} {time:.1f} ms" for name, time in reversed(_stages(picture.time_ms, viewer.copy_ms).items())]
     return told
+
+
+def _stages(time_ms: Mapping[str, float], copy_ms: float) -> dict[str, float]:
+    """Milliseconds by stage, from the top down: a method's share below the sum, the way to the screen at the end."""
+    indented = {f"    {name}" if name in TECHNIQUES else name: time for name, time in time_ms.items()}
+    return {**indented, "copy": copy_ms}
 
 
 def _draw() -> None:

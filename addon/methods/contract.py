@@ -39,7 +39,8 @@ class Frame:
     of the pixel that shows a reflector; `distance` (H, W) float32 metres from the reflector to what
     the pixel's centre sees in it, infinite where that is the world, NaN off the reflectors;
     `time_ms` GPU milliseconds by stage for one sample a pixel, the median over the samples; "frame" is
-    all of them, "reflection" what the reflections take of it.
+    all of them, "reflection" what the reflections take of it. Where several methods draw, each has its share
+    of "reflection" under its name.
     """
 
     color: np.ndarray

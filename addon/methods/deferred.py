@@ -144,16 +144,28 @@ class Ensemble:
         """See, light, reflect, once for each sample of the pixel; `time_ms` as of a `Frame`."""
         watch = Stopwatch()
         for _ in range(1 if view.samples == 1 else _TIMED):
-            with watch.stage("preparation"):
-                for method in self._ready:
+            for group, method in self._drawing():
+                with watch.stage(f"preparation {group}"):
                     method.before_frame(view)
         canvas.clear()
         for number, (offset, weight) in enumerate(samples := _samples(view.samples)):
             progress("rendering", number / len(samples))
             self._paint_sample(view, canvas, watch, offset, weight)
-        time_ms = watch.medians()
-        reflection = time_ms.pop("preparation") + time_ms.pop("reflection")
-        return {**time_ms, "reflection": reflection, "frame": sum(time_ms.values()) + reflection}
+        return self._times(watch.medians())
+
+    def _drawing(self) -> list[tuple[int, DeferredMethod]]:
+        """The methods that have baked, each with its group."""
+        return [(group, method) for group, method in enumerate(self._cast) if method in self._ready]
+
+    def _times(self, stages: dict[str, float]) -> dict[str, float]:
+        """`time_ms` of a `Frame`: each method's own time, if there are several, and their sum."""
+        methods: dict[str, float] = {}
+        for group, method in self._drawing():
+            time = stages.pop(f"preparation {group}") + stages.pop(f"reflection {group}")
+            methods[method.name] = methods.get(method.name, 0.0) + time
+        reflection = sum(methods.values())
+        shares = methods if len(methods) > 1 else {}
+        return {**stages, "reflection": reflection, **shares, "frame": sum(stages.values()) + reflection}
 
     def _paint_sample(self, view: View, canvas: Canvas, watch: Stopwatch, offset, weight: float) -> None:
         seen, target = canvas.visibility, canvas.picture if any(offset) else canvas.centre
@@ -163,12 +175,11 @@ class Ensemble:
         with watch.stage("light"):
             for drawn in (self._world, self._lit):
                 drawn.draw(view.camera, seen, canvas.light, offset=offset, weight=weight)
-        with watch.stage("reflection"):
-            for group, method in enumerate(self._cast):
-                if method in self._ready:
-                    if group:
-                        seen.mark_parts(self.resident, group)
-                    method.reflect(view, seen, target, offset=offset, weight=weight)
+        for group, method in self._drawing():
+            with watch.stage(f"reflection {group}"):
+                if group:
+                    seen.mark_parts(self.resident, group)
+                method.reflect(view, seen, target, offset=offset, weight=weight)
 
     def release(self) -> None:
         """Give the GPU memory back."""

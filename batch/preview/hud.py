@@ -117,14 +117,14 @@ def _times(session: Session, interval: float) -> None:
     times = shop.painter.shown.times
     if not times:
         return
-    stages = list(dict.fromkeys(stage for side in times for stage in side))
+    stages = sorted(dict.fromkeys(stage for side in times for stage in side), key=lambda stage: stage == "frame")
     if imgui.begin_table("times", 1 + len(times), imgui.TableFlags_.sizing_fixed_fit):
         for name in ("milliseconds", *(_SIDES if len(times) > 1 else ("",))):
             imgui.table_next_column()
             imgui.text_colored(_DIM, name)
         for stage in stages:
             imgui.table_next_column()
-            imgui.text(stage)
+            imgui.text(f"    {stage}" if stage in METHODS else stage)
             for side in times:
                 imgui.table_next_column()
                 imgui.text(f"{side.get(stage, math.nan):8.2f}")
