@@ -11,7 +11,7 @@ from ..gl import DataTexture, require
 from ..scene import Camera, Scene
 
 _PASSES = (
-    ("world/world.frag", Part.WORLD),
+    ("environment_map/sky.frag", Part.WORLD),
     ("lit/lit.frag", Part.SURFACES),
     ("environment_map/world_only.frag", Part.REFLECTORS),
 )

@@ -61,10 +61,14 @@ class EnvironmentMapDynamic(EnvironmentMap):
 class EnvironmentMapParallax(EnvironmentMap):
     """The cube of `environment-map`, projected onto a box around the rest of the scene.
 
-    Source: Lagarde and Zanuttini, *Local image-based lighting with parallax-corrected cubemaps*, 2012.
+    Where the cube shows the world at the point that a ray meets on the box, the box is open there: such a ray
+    shows the world by its own direction. In a closed room this changes nothing.
 
-    Limitations: right for what lies on the box, as a room's walls do; objects inside the box, and the
-    sky of an open scene, are misplaced.
+    Source: Lagarde and Zanuttini, *Local image-based lighting with parallax-corrected cubemaps*, 2012; they
+    leave open scenes to the artist who places the boxes.
+
+    Limitations: right for what lies on the box, as a room's walls and an open scene's floor do, and for the
+    world; objects inside the box are misplaced.
     """
 
     name = "environment-map-parallax"
