@@ -11,7 +11,7 @@ from ..drawing import Resident
 from ..errors import UsageError
 from ..gl import on_gl_thread
 from ..parameters import Parameter
-from ..progress import Progress, silent
+from ..progress import Progress, part_of, silent
 from ..scene import Mesh
 from .layered_depth_keys import keys_of
 from .layered_depth_pairs import pair
@@ -167,9 +167,10 @@ def each_bake(
         if key is not None and index not in without:
             sharing.setdefault(key, []).append(index)
     for done, (key, instances) in enumerate(sharing.items()):
-        progress("baking layered depth textures", done / len(sharing))
+        share = part_of(progress, done / len(sharing), (done + 1) / len(sharing))
+        share("baking layered depth textures", 0.0)
         kept = cache.get(KIND, key) if cache else None
-        bake = _unpacked(*kept) if kept else bake_instance(resident, instances[0], **settings)
+        bake = _unpacked(*kept) if kept else bake_instance(resident, instances[0], **settings, progress=share)
         if cache and not kept:
             cache.put(KIND, key, *_packed(bake))
         yield tuple(instances), bake
@@ -178,7 +179,11 @@ def each_bake(
 
 @on_gl_thread
 def bake_instance(
-    resident: Resident, instance: int, resolution: int = RESOLUTION.default, layers: int = LAYERS.default
+    resident: Resident,
+    instance: int,
+    resolution: int = RESOLUTION.default,
+    layers: int = LAYERS.default,
+    progress: Progress = silent,
 ) -> LayeredDepth:
     """The layered depth textures of one instance's mesh, lit as the instance is."""
     mesh = resident.scene.meshes[resident.scene.instances[instance].mesh]
@@ -189,7 +194,7 @@ def bake_instance(
     axes, hidden, cut = [], 0, np.zeros(2, np.int64)
     try:
         for axis, shape in enumerate(shapes):
-            crossings = peeler.peel(axis, shape, 2 * layers)
+            crossings = peeler.peel(axis, shape, 2 * layers, part_of(progress, axis / 3, (axis + 1) / 3))
             found = pair(crossings)
             colors, normals = shader.shade(axis, shape, found.texel, found.triangle)
             counts = np.bincount(found.texel, minlength=shape[0] * shape[1]).astype(np.int32)

@@ -7,17 +7,22 @@ import moderngl
 import numpy as np
 
 from ..gl import DataTexture, program, require
+from ..progress import Progress, part_of, silent
 
 _NOTHING = 1.5
 """Between any depth (0 to 1) and the shader's mark for "nothing behind", 2."""
 
 
 class _Side(NamedTuple):
-    """What passes from one side have found, the depth behind it in each texel, and the fragments from there on."""
+    """What passes from one side have found, the depth behind it in each texel, and the fragments from there on.
+
+    `share` is that of all fragments which were found, 0..1.
+    """
 
     found: list[tuple[np.ndarray, ...]]
     next_depth: np.ndarray
     beyond: int
+    share: float
 
 
 @dataclass(frozen=True, eq=False)
@@ -53,11 +58,11 @@ class Peeler:
         )
         self._array = context.vertex_array(self._program, [(self._buffers[0], "3f", "place")], self._buffers[1])
 
-    def peel(self, axis: int, shape: tuple[int, int], most: int) -> Crossings:
+    def peel(self, axis: int, shape: tuple[int, int], most: int, progress: Progress = silent) -> Crossings:
         """Every crossing along `axis`, on a face of `shape` (columns along u, rows along v).
 
         u lies along axis + 1 and v along axis + 2, modulo 3. Of a texel with more than `most` crossings,
-        `most` are kept from either side.
+        `most` are kept from either side. `progress` counts fragments, and may stop the work after every pass.
         """
         context = require()
         planes = DataTexture(_planes(self._places, self._triangles, self._solid, axis))
@@ -70,34 +75,37 @@ class Peeler:
             self._program["axis"], self._program["shape"] = axis, shape
             planes.use(0)
             self._program["planes"], self._program["previous"] = 0, 1
-            low = self._side(1.0, textures, targets, most)
+            low = self._side(1.0, textures, targets, most, progress)
             if not low.beyond:
                 return _ordered(low.found, (0, 0))
-            return _joined(low, self._side(-1.0, textures, targets, most))
+            return _joined(low, self._side(-1.0, textures, targets, most, part_of(progress, low.share, 1.0)))
         finally:
             context.blend_equation = moderngl.FUNC_ADD
             for part in (planes, *targets, *textures):
                 part.release()
 
-    def _side(self, side: float, textures, targets, most: int) -> "_Side":
+    def _side(self, side: float, textures, targets, most: int, progress: Progress) -> "_Side":
         """The first `most` crossings of every texel, seen from the low face (`side` 1) or the high one (-1)."""
         self._program["side"] = side
-        found: list[tuple[np.ndarray, ...]] = []
-        targets[1].clear(2.0)  # nothing has been reached
-        depth = np.zeros(0, np.float32)
-        for index in range(most + 1):
-            picture = self._draw(textures[(index + 1) % 2], targets[index % 2])
-            if index:
-                texel = np.flatnonzero(depth < _NOTHING)
-                front, back, turn = picture[texel, 1:].T.astype(np.int32)
-                found.append((texel.astype(np.int32), side * depth[texel], front - 1, back - 1, turn))
-            depth = -picture[:, 0]
-            if not (depth < _NOTHING).any():
-                return _Side(found, depth, 0)
         query = require().query(samples=True)
+        targets[1].clear(2.0)  # nothing has been reached: the first pass counts all that there is
+        with query:
+            depth = -self._draw(textures[1], targets[0])[:, 0]
+        fragments, share = query.samples, 0.0
+        found: list[tuple[np.ndarray, ...]] = []
+        for index in range(1, most + 1):
+            texel = np.flatnonzero(depth < _NOTHING)
+            if not len(texel):
+                return _Side(found, depth, 0, share)
+            picture = self._draw(textures[(index + 1) % 2], targets[index % 2])
+            front, back, turn = picture[texel, 1:].T.astype(np.int32)
+            found.append((texel.astype(np.int32), side * depth[texel], front - 1, back - 1, turn))
+            depth = -picture[:, 0]
+            share = min(1.0, share + len(texel) / fragments)
+            progress("peeling layers", share)
         with query:
             self._draw(textures[most % 2], targets[(most + 1) % 2])
-        return _Side(found, depth, query.samples)
+        return _Side(found, depth, query.samples, share)
 
     def _draw(self, previous: moderngl.Texture, target: moderngl.Framebuffer) -> np.ndarray:
         """One pass; (texels, 4) float32 of what it found."""
