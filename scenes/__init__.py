@@ -1,4 +1,4 @@
-"""The demonstration scenes: ten .blend files and the scripts that build them (see README.md here)."""
+"""The demonstration scenes: the .blend files and the scripts that build them (see README.md here)."""
 
 from pathlib import Path
 
@@ -15,6 +15,7 @@ SCENES: tuple[str, ...] = (
     "mirror-bowl",
     "mirror-torus",
     "mirror-room",
+    "cathedral",
 )
 
 

@@ -33,52 +33,53 @@ def noise(shape: tuple[int, int], steepness: float, seed: int, stretch: float = 
     return (field - field.min()) / np.ptp(field)
 
 
-def _mesh(size: int) -> tuple[np.ndarray, np.ndarray]:
+def texels(size: int) -> tuple[np.ndarray, np.ndarray]:
     """Texel centres (size, size) of x and y in 0..1."""
     line = (np.arange(size) + 0.5) / size
     return np.broadcast_to(line, (size, size)), np.broadcast_to(line[:, None], (size, size))
 
 
-def _cover(distance: np.ndarray, size: int) -> np.ndarray:
+def cover(distance: np.ndarray, size: int) -> np.ndarray:
     """How much of a texel (0..1) lies where `distance` (in picture widths) is negative: a soft edge of one texel."""
     return np.clip(0.5 - distance * size, 0.0, 1.0)[..., None]
 
 
-def _paint(picture: np.ndarray, where: np.ndarray, code: str) -> np.ndarray:
+def paint(picture: np.ndarray, where: np.ndarray, code: str) -> np.ndarray:
+    """`picture` with "#rrggbb" laid over it, as thickly (0..1) as `where` (H, W, 1) says."""
     return picture + where * (color(code) - picture)
 
 
 def star_tiles(size: int = 512) -> np.ndarray:
     """A cement tile: an eight-pointed star, quarter rosettes in the corners, joints all round. Repeats."""
-    x, y = _mesh(size)
+    x, y = texels(size)
     x, y = x - 0.5, y - 0.5
     square, diamond = np.maximum(abs(x), abs(y)), (abs(x) + abs(y)) / np.sqrt(2)
     corner = np.hypot(0.5 - abs(x), 0.5 - abs(y))
     picture = np.broadcast_to(color("#e9e1cf"), (size, size, 3))
-    picture = _paint(picture, _cover(np.minimum(square, diamond) - 0.285, size), "#24505e")
-    picture = _paint(picture, _cover(np.minimum(square, diamond) - 0.235, size), "#e9e1cf")
-    picture = _paint(picture, _cover(np.minimum(square, diamond) - 0.205, size), "#c8843c")
-    picture = _paint(picture, _cover(np.hypot(x, y) - 0.115, size), "#24505e")
-    picture = _paint(picture, _cover(np.hypot(x, y) - 0.055, size), "#e9e1cf")
-    picture = _paint(picture, _cover(abs(corner - 0.235) - 0.03, size), "#24505e")
-    picture = _paint(picture, _cover(corner - 0.15, size), "#a8452f")
-    picture = _paint(picture, _cover(corner - 0.07, size), "#e9e1cf")
-    picture = _paint(picture, _cover(0.492 - square, size), "#8d8577")
+    picture = paint(picture, cover(np.minimum(square, diamond) - 0.285, size), "#24505e")
+    picture = paint(picture, cover(np.minimum(square, diamond) - 0.235, size), "#e9e1cf")
+    picture = paint(picture, cover(np.minimum(square, diamond) - 0.205, size), "#c8843c")
+    picture = paint(picture, cover(np.hypot(x, y) - 0.115, size), "#24505e")
+    picture = paint(picture, cover(np.hypot(x, y) - 0.055, size), "#e9e1cf")
+    picture = paint(picture, cover(abs(corner - 0.235) - 0.03, size), "#24505e")
+    picture = paint(picture, cover(corner - 0.15, size), "#a8452f")
+    picture = paint(picture, cover(corner - 0.07, size), "#e9e1cf")
+    picture = paint(picture, cover(0.492 - square, size), "#8d8577")
     return picture * (0.92 + 0.08 * noise((size, size), 1.4, 3)[..., None])
 
 
 def checkers(first: str, second: str, size: int = 512) -> np.ndarray:
     """Two by two worn squares. Repeats."""
-    x, y = _mesh(size)
+    x, y = texels(size)
     picture = np.where(((x < 0.5) ^ (y < 0.5))[..., None], color(first), color(second))
     joint = 0.25 - np.maximum(abs((x * 2) % 1 - 0.5), abs((y * 2) % 1 - 0.5)) * 0.5
-    picture = _paint(picture, _cover(joint - 0.003, size), "#6d665c")
+    picture = paint(picture, cover(joint - 0.003, size), "#6d665c")
     return picture * (0.86 + 0.14 * noise((size, size), 1.3, 5)[..., None])
 
 
 def planks(size: int = 512, rows: int = 6) -> np.ndarray:
     """A wooden floor, boards along x. Repeats."""
-    x, y = _mesh(size)
+    x, y = texels(size)
     board = (y * rows).astype(int)
     random = np.random.default_rng(11)
     tone, shift = random.uniform(0.78, 1.0, rows)[board], random.uniform(0, 1, rows)[board]
@@ -86,38 +87,38 @@ def planks(size: int = 512, rows: int = 6) -> np.ndarray:
     seam = np.minimum(abs((y * rows) % 1 - 0.5) - 0.5, 0) / rows
     butt = -abs((x + shift) % 1 - 0.5)
     picture = color("#a9713f") * (tone * (0.75 + 0.4 * grain))[..., None]
-    edge = np.maximum(_cover(-seam - 0.002, size), _cover(-butt - 0.002, size))
-    return np.clip(_paint(picture, edge * 0.7, "#3a2412"), 0.0, 1.0)
+    edge = np.maximum(cover(-seam - 0.002, size), cover(-butt - 0.002, size))
+    return np.clip(paint(picture, edge * 0.7, "#3a2412"), 0.0, 1.0)
 
 
 def stripes(codes: list[str], count: int, slant: int, size: int = 512) -> np.ndarray:
     """`count` turns of the colours along x, moving on by `slant` turns along y. Repeats."""
-    x, y = _mesh(size)
+    x, y = texels(size)
     phase = (x * count + y * slant) * len(codes) % len(codes)
     picture = np.array([color(code) for code in codes])[phase.astype(int)]
     edge = np.minimum(phase % 1, 1 - phase % 1) / (count * len(codes))
-    return _paint(picture, _cover(edge - 0.004, size), "#2b2320")
+    return paint(picture, cover(edge - 0.004, size), "#2b2320")
 
 
 def beach_ball(codes: list[str], size: int = 512) -> np.ndarray:
     """Meridian gores in `codes`, a white band round the equator with dots, white caps."""
-    x, y = _mesh(size)
+    x, y = texels(size)
     picture = np.array([color(code) for code in codes])[(x * len(codes)).astype(int)]
-    picture = _paint(picture, _cover(abs(y - 0.5) - 0.13, size), "#f4efe2")
+    picture = paint(picture, cover(abs(y - 0.5) - 0.13, size), "#f4efe2")
     dot = np.hypot((x * 12 % 1 - 0.5) / 12, (y - 0.5) * 0.5)
-    picture = _paint(picture, _cover(dot - 0.026, size), "#22364f")
-    picture = _paint(picture, _cover(abs(abs(y - 0.5) - 0.13) - 0.012, size), "#22364f")
-    return _paint(picture, _cover(0.43 - abs(y - 0.5), size), "#f4efe2")
+    picture = paint(picture, cover(dot - 0.026, size), "#22364f")
+    picture = paint(picture, cover(abs(abs(y - 0.5) - 0.13) - 0.012, size), "#22364f")
+    return paint(picture, cover(0.43 - abs(y - 0.5), size), "#f4efe2")
 
 
 def rug(size: int = 512) -> np.ndarray:
     """A woven rug: borders round a field of diamonds."""
-    x, y = _mesh(size)
+    x, y = texels(size)
     edge = 0.5 - np.maximum(abs(x - 0.5), abs(y - 0.5))
     cell = abs(x * 6 % 1 - 0.5) + abs(y * 6 % 1 - 0.5)
     picture = np.broadcast_to(color("#7c2427"), (size, size, 3))
-    picture = _paint(picture, _cover((cell - 0.36) / 6, size), "#d9b56b")
-    picture = _paint(picture, _cover((cell - 0.2) / 6, size), "#1f3a4a")
+    picture = paint(picture, cover((cell - 0.36) / 6, size), "#d9b56b")
+    picture = paint(picture, cover((cell - 0.2) / 6, size), "#1f3a4a")
     for width, code in (
         (0.13, "#1f3a4a"),
         (0.11, "#d9b56b"),
@@ -125,18 +126,18 @@ def rug(size: int = 512) -> np.ndarray:
         (0.03, "#d9b56b"),
         (0.018, "#1f3a4a"),
     ):
-        picture = _paint(picture, _cover(edge - width, size), code)
+        picture = paint(picture, cover(edge - width, size), code)
     return picture * (0.88 + 0.12 * np.random.default_rng(2).random((size, size, 1)))
 
 
 def landscape(size: int = 256) -> np.ndarray:
     """A painting for a wall: a low sun over three ranges of hills."""
-    x, y = _mesh(size)
+    x, y = texels(size)
     picture = color("#f2c879") * (1 - y[..., None]) + color("#3f6f95") * y[..., None]
-    picture = _paint(picture, _cover(np.hypot(x - 0.64, y - 0.6) - 0.09, size), "#fff2cf")
+    picture = paint(picture, cover(np.hypot(x - 0.64, y - 0.6) - 0.09, size), "#fff2cf")
     for i, code in enumerate(("#8a6f86", "#5a5470", "#2e3349")):
         ridge = 0.5 - 0.13 * i + 0.07 * np.sin(x * (7 + 3 * i) + 2 * i) + 0.03 * np.sin(x * (19 + 5 * i))
-        picture = _paint(picture, _cover(y - ridge, size), code)
+        picture = paint(picture, cover(y - ridge, size), code)
     return picture
 
 

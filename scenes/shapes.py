@@ -32,6 +32,21 @@ class Shape:
         """The shape rotated by a (3, 3) matrix."""
         return Shape(self.points @ matrix.T, self.faces, self.uvs)
 
+    def textured(self, repeat: float) -> "Shape":
+        """The shape with a texture that lies along the two nearest axes and repeats every `repeat` metres.
+
+        It stands upright on whatever is upright.
+        """
+        corners = self.points[self.faces]
+        normals = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+        along = np.array([[1, 2], [0, 2], [0, 1]])[np.argmax(np.abs(normals), axis=1)]
+        return Shape(self.points, self.faces, np.take_along_axis(corners, along[:, None], axis=2) / repeat)
+
+    @property
+    def triangles(self) -> int:
+        """How many triangles its faces make."""
+        return len(self.faces) + int((self.faces[:, 3] >= 0).sum())
+
 
 def soup(quads: np.ndarray, uvs: np.ndarray | None = None) -> Shape:
     """The welded shape of (F, 4, 3) corner positions; quads with a side of no length become triangles.
@@ -138,6 +153,35 @@ def tube(path: np.ndarray, radius: np.ndarray | float, sides: int, capped: bool 
         ends = np.broadcast_to(path[[0, -1], None], (2, sides + 1, 3))
         rings = np.concatenate([ends[:1], rings, ends[1:]])
     return sheet(rings)
+
+
+def sweep(path: np.ndarray, profile: np.ndarray, across, repeat: tuple[float, float] = (1.0, 1.0)) -> Shape:
+    """A moulding: `profile` (P, 2) carried along a `path` (N, 3) that lies in a plane, with mitred corners.
+
+    `across` is the unit normal of that plane. A profile's first coordinate runs along it, its second
+    along tangent x `across`; outside is to the right of its direction. A path that ends where it began is a loop.
+    """
+    path, profile, across = (np.asarray(array, dtype=np.float64) for array in (path, profile, across))
+    steps = _unit(np.diff(path, axis=0))
+    loop = np.allclose(path[0], path[-1])
+    before = np.concatenate([steps[-1:] if loop else steps[:1], steps])
+    after = np.concatenate([steps, steps[:1] if loop else steps[-1:]])
+    outward = np.cross(_unit(before + after), across)
+    outward /= np.maximum(np.linalg.norm(before + after, axis=1, keepdims=True) / 2.0, 0.2)  # the mitre
+    return sheet(path[:, None] + profile[:, :1] * across + profile[:, 1:] * outward[:, None], repeat)
+
+
+def pointed_arch(span: float, rise: float, steps: int) -> np.ndarray:
+    """(2 * steps + 1, 2) from the left springing to the right one: two arcs that meet `rise` above z = 0.
+
+    A `rise` of half the `span` gives a round arch.
+    """
+    half = span / 2.0
+    radius = (half**2 + rise**2) / span
+    angle = np.linspace(0.0, np.arctan2(rise, radius - half), steps + 1)
+    right = np.stack([half - radius + radius * np.cos(angle), radius * np.sin(angle)], axis=-1)
+    right[-1] = 0.0, rise
+    return np.concatenate([right * (-1.0, 1.0), right[-2::-1]])
 
 
 def _frames(path: np.ndarray, loop: bool) -> tuple[np.ndarray, np.ndarray]:

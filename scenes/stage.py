@@ -12,6 +12,7 @@ from mathutils import Vector
 
 from . import pictures, shapes
 
+QUALITY = 88  # of JPEGs
 SUN_ANGLE = 0.03  # radians: wider than the real sun, so that shadows have a soft rim
 
 
@@ -54,6 +55,27 @@ def put(name: str, shape: shapes.Shape, material, location=(0, 0, 0), turned=(0,
     return place(name, mesh, material, location, turned)
 
 
+def assemble(name: str, parts, location=(0, 0, 0), turned=(0, 0, 0), crease: float | None = 35.0):
+    """One object of several parts: pairs of a shape and its material. Returns it.
+
+    It is shaded smooth but for edges of more than `crease` degrees; None shades every face flat.
+    """
+    materials = list(dict.fromkeys(material for _, material in parts))
+    thing = put(name, shapes.joined([shape for shape, _ in parts]), materials[0], location, turned, crease is not None)
+    for material in materials[1:]:
+        thing.data.materials.append(material)
+    slots = np.repeat([materials.index(material) for _, material in parts], [len(shape.faces) for shape, _ in parts])
+    thing.data.polygons.foreach_set("material_index", slots.astype(np.int32))
+    if crease is not None:
+        thing.data.set_sharp_from_angle(angle=np.radians(crease))
+    return thing
+
+
+def again(thing, location, turned=(0, 0, 0)):
+    """Another object of the same mesh. Returns it."""
+    return place(thing.name, thing.data, thing.data.materials[0], location, turned)
+
+
 def place(name: str, mesh, material, location=(0, 0, 0), turned=(0, 0, 0)):
     """An object of a Blender mesh, given `material`. Returns it."""
     if material.name not in mesh.materials:
@@ -81,16 +103,39 @@ def _material(name: str, code: str):
     return material, node
 
 
-def matte(name: str, code: str = "#cccccc", picture: np.ndarray | None = None):
-    """A material that only scatters light: a "#rrggbb" colour, or a painted image texture."""
+def matte(name: str, code: str = "#cccccc", picture: np.ndarray | None = None, quality: int | None = None):
+    """A material that only scatters light: a "#rrggbb" colour, or a painted image texture.
+
+    A texture keeps every texel, or is a JPEG of `quality` (1 to 100), which makes a smaller file.
+    """
     material, node = _material(name, code)
     node.inputs["Roughness"].default_value = 1.0
     node.inputs["Specular IOR Level"].default_value = 0.0
     if picture is not None:
-        texture = material.node_tree.nodes.new("ShaderNodeTexImage")
-        texture.image = _byte_image(name, picture)
-        material.node_tree.links.new(texture.outputs["Color"], node.inputs["Base Color"])
+        _link(node, "Base Color", _byte_image(name, picture, quality))
     return material
+
+
+def polished(name: str, picture: np.ndarray, roughness: float | np.ndarray, ior: float = 1.5, quality: int = QUALITY):
+    """A clear gloss over a painted image texture: Principled, no metal.
+
+    `roughness` is one value of the node, which a script may change, or a picture of it (H, W) in 0..1.
+    """
+    material, node = _material(name, "#808080")
+    node.inputs["IOR"].default_value = ior
+    _link(node, "Base Color", _byte_image(name, picture, quality))
+    if isinstance(roughness, np.ndarray):
+        image = _byte_image(f"{name} roughness", np.repeat(roughness[..., None], 3, axis=2), quality)
+        image.colorspace_settings.name = "Non-Color"
+        _link(node, "Roughness", image)
+    else:
+        node.inputs["Roughness"].default_value = material.roughness = roughness
+    return material
+
+
+def reflects(thing) -> None:
+    """Say of an object that it is a reflector, however rough its material is made."""
+    thing["catoptric_reflector"] = True
 
 
 def mirror(name: str, code: str = "#f5f5f5"):
@@ -102,25 +147,55 @@ def mirror(name: str, code: str = "#f5f5f5"):
     return material
 
 
-def glowing(name: str, code: str, strength: float):
-    """A material that gives off light and scatters none."""
+def glowing(name: str, code: str, strength: float, picture: np.ndarray | None = None):
+    """A material that gives off light, of one colour or a painted picture's, and scatters none."""
     material, node = _material(name, code)
     node.inputs["Base Color"].default_value = (0.0, 0.0, 0.0, 1.0)
     node.inputs["Specular IOR Level"].default_value = 0.0
     node.inputs["Emission Color"].default_value = (*pictures.linear(code), 1.0)
     node.inputs["Emission Strength"].default_value = strength
+    if picture is not None:
+        _link(node, "Emission Color", _byte_image(name, picture, QUALITY))
+        material.cycles.emission_sampling = "NONE"  # lamps beside it give its light with less noise
     return material
 
 
-def _byte_image(name: str, picture: np.ndarray):
-    """An sRGB image of 8 bits a channel, packed into the file."""
+def _link(node, socket: str, image) -> None:
+    """Let an input of `node` be looked up in `image`."""
+    tree = node.id_data
+    texture = tree.nodes.new("ShaderNodeTexImage")
+    texture.image = image
+    texture.location = (node.location.x - 320.0, node.location.y - 280.0 * (socket != "Base Color"))
+    tree.links.new(texture.outputs["Color"], node.inputs[socket])
+
+
+def _byte_image(name: str, picture: np.ndarray, quality: int | None = None):
+    """An sRGB image of 8 bits a channel, packed into the file: as PNG, or as JPEG of a `quality`."""
     height, width = picture.shape[:2]
     image = bpy.data.images.new(name, width, height)
-    pixels = np.ones((height, width, 4), dtype=np.float32)
-    pixels[..., :3] = np.clip(picture, 0.0, 1.0)
-    image.pixels.foreach_set(pixels.ravel())
-    image.pack()
+    if quality is None:
+        pixels = np.ones((height, width, 4), dtype=np.float32)
+        pixels[..., :3] = np.clip(picture, 0.0, 1.0)
+        image.pixels.foreach_set(pixels.ravel())
+        image.pack()
+    else:
+        specification = oiio.ImageSpec(width, height, 3, "uint8")
+        specification.attribute("compression", f"jpeg:{quality}")
+        _pack(image, np.clip(picture, 0.0, 1.0).astype(np.float32), specification, "texture.jpg")
     return image
+
+
+def _pack(image, picture: np.ndarray, specification, file_name: str) -> None:
+    """Pack (H, W, 3) float32 into `image` as a file of the kind that `file_name` ends in."""
+    with tempfile.TemporaryDirectory() as folder:
+        file = Path(folder, file_name)
+        output = oiio.ImageOutput.create(str(file))
+        output.open(str(file), specification)
+        output.write_image(np.ascontiguousarray(picture[::-1]))  # a file begins at the top
+        output.close()
+        data = file.read_bytes()
+    image.pack(data=data, data_len=len(data))
+    image.source = "FILE"
 
 
 def sky(settings: pictures.Sky, sun: float, strength: float = 1.0) -> None:
@@ -156,16 +231,8 @@ def _panorama(radiance: np.ndarray):
     height, width = radiance.shape[:2]
     specification = oiio.ImageSpec(width, height, 3, "half")
     specification.attribute("compression", "dwaa:45")
-    with tempfile.TemporaryDirectory() as folder:
-        file = Path(folder, "sky.exr")
-        output = oiio.ImageOutput.create(str(file))
-        output.open(str(file), specification)
-        output.write_image(np.ascontiguousarray(radiance[::-1]))  # a file begins at the top
-        output.close()
-        data = file.read_bytes()
     image = bpy.data.images.new("sky.exr", width, height, float_buffer=True)
-    image.pack(data=data, data_len=len(data))
-    image.source = "FILE"
+    _pack(image, radiance, specification, "sky.exr")
     image.colorspace_settings.name = "Linear Rec.709"
     return image
 
