@@ -253,7 +253,7 @@ def test_light_is_baked_shown_stale_and_cleared(saved):
     lights.wait()
     assert bakes.wait_for(scene, found()).light.kind == bakes.MISSING
     with pytest.raises(RuntimeError, match="light is missing"):
-        bpy.ops.catoptric.bake()
+        bpy.ops.catoptric.bake(name="Box")
     assert bpy.ops.catoptric.bake_light() == {"FINISHED"}
     lights.wait()
     stage = found()
@@ -271,6 +271,34 @@ def test_light_is_baked_shown_stale_and_cleared(saved):
     assert (light.kind, light.why) == (bakes.STALE, '"Box" has moved')
     assert bpy.ops.catoptric.clear() == {"FINISHED"}
     assert bakes.wait_for(scene, found()).light.kind == bakes.MISSING
+
+
+@pytest.mark.slow
+def test_baked_light_goes_with_the_file_under_any_name(saved):
+    scene = bpy.context.scene
+    scene.objects["Crate"].location.z = 0.3  # like no other test's
+    scene.catoptric.lighting = "cycles"
+    bpy.context.view_layer.update()
+    found()
+    assert bpy.ops.catoptric.bake_light() == {"FINISHED"}
+    lights.wait()
+    bpy.ops.wm.save_as_mainfile(filepath=str(saved / "elsewhere.blend"))
+    assert light_after_opening(saved / "elsewhere.blend") == (bakes.FRESH, "")
+    bpy.context.scene.objects["Box"].location.z += 1.0
+    bpy.ops.wm.save_as_mainfile(filepath=str(saved / "changed.blend"))
+    assert light_after_opening(saved / "changed.blend") == (bakes.STALE, '"Box" has moved')
+    found()
+    assert bpy.ops.catoptric.clear() == {"FINISHED"}
+    bpy.ops.wm.save_mainfile()
+    assert light_after_opening(saved / "changed.blend") == (bakes.MISSING, "never baked")
+
+
+def light_after_opening(file):
+    bpy.ops.wm.open_mainfile(filepath=str(file))
+    found()
+    lights.wait()
+    light = bakes.wait_for(bpy.context.scene, found()).light
+    return light.kind, light.why
 
 
 def test_esc_in_the_middle_of_baking_light_leaves_nothing(saved):

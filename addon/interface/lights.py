@@ -1,4 +1,8 @@
-"""Light that Cycles has baked: where it is kept, and how viewports get it."""
+"""Light that Cycles has baked: where it is kept, and how viewports get it.
+
+It is kept under a key of all that it depends on, so that a file finds it under any name. The scene remembers the
+key of its last light, which a change makes stale, but not lost.
+"""
 
 import tempfile
 import time
@@ -18,13 +22,17 @@ from . import work
 from .leaving import forgetting_factory
 
 _KIND = "light"
+_VERSION = 1
+"""Goes up when the same scene is lit otherwise."""
+
 _POLL = 0.1
 
 
 @dataclass(frozen=True, eq=False)
 class Light:
-    """A scene as it was lit, how things stood when it was, its bytes on disk, and when it was made."""
+    """A scene as it was lit, how things stood when it was, its bytes on disk, and when it was made; its key."""
 
+    key: str
     scene: Scene
     before: Standing
     size: int
@@ -41,18 +49,14 @@ def when_read() -> None:
     """Called whenever light was read; stages put themselves in its place."""
 
 
-def key(scene: bpy.types.Scene) -> str:
-    """What the light of a scene is kept under: its file's place, or this session as long as there is none."""
-    return key_of(bpy.data.filepath or f"session {bpy.app.tempdir} {scene.session_uid}", scene.name)
-
-
 def known(scene: bpy.types.Scene) -> Light | None:
     """The light of a scene, fresh or stale; None if there is none, or as long as it is being read."""
-    uid = scene.session_uid
-    if uid not in _lights and uid not in _loading:
-        _loading[uid] = _reader.submit(_read, key(scene))
-        _wake()
-    return _lights.get(uid)
+    return _lights.get(scene.session_uid)
+
+
+def missing(scene: bpy.types.Scene) -> bool:
+    """Whether it was looked for, and there is none."""
+    return scene.session_uid in _lights and _lights[scene.session_uid] is None
 
 
 def shown(bpy_scene: bpy.types.Scene, scene: Scene, wait: bool = False) -> tuple[Scene, Lighting]:
@@ -64,10 +68,11 @@ def shown(bpy_scene: bpy.types.Scene, scene: Scene, wait: bool = False) -> tuple
     lighting = Lighting(bpy_scene.catoptric.lighting)
     if lighting is not Lighting.CYCLES:
         return scene, lighting
-    light = known(bpy_scene)
-    reading = _loading.get(bpy_scene.session_uid)
-    if wait and reading is not None:
-        light = reading.result()
+    uid = bpy_scene.session_uid
+    if uid not in _lights and uid not in _loading:
+        _loading[uid] = _reader.submit(_find, scene, bpy_scene.catoptric.light)
+        _wake()
+    light = _loading[uid].result() if wait and uid in _loading else known(bpy_scene)
     if light is None:
         return scene, Lighting.DIRECT
     _keys.sweep(scene)
@@ -76,18 +81,21 @@ def shown(bpy_scene: bpy.types.Scene, scene: Scene, wait: bool = False) -> tuple
     return dressed(scene, light.scene, fitting), lighting
 
 
-def keep(uid: int, kept_as: str, archive: Path, read: Scene) -> None:
+def keep(uid: int, archive: Path, read: Scene) -> None:
     """Take in the light that was baked into `archive` while the scene stood as `read`; it is there soon."""
     content = archive.read_bytes()
     _lights.pop(uid, None)
-    _loading[uid] = _reader.submit(_write, kept_as, content, read)
+    _loading[uid] = _reader.submit(_write, content, read)
     _wake()
 
 
 def forget(scene: bpy.types.Scene) -> None:
     """Remove a scene's light."""
-    Cache().remove(_KIND, key(scene))
+    light = known(scene)
+    if light is not None:
+        Cache().remove(_KIND, light.key)
     _lights[scene.session_uid] = None
+    _remember(scene.session_uid, "")
 
 
 def busy() -> bool:
@@ -95,22 +103,35 @@ def busy() -> bool:
     return bool(_loading)
 
 
-def _write(kept_as: str, content: bytes, read: Scene) -> Light:
-    meta = {"standing": asdict(standing(read, Keys()))}
-    Cache().put(_KIND, kept_as, {"archive": np.frombuffer(content, np.uint8)}, meta)
-    return _read(kept_as)
+def _write(content: bytes, read: Scene) -> Light | None:
+    stood = standing(read, Keys())
+    key = key_of(_VERSION, stood)
+    Cache().put(_KIND, key, {"archive": np.frombuffer(content, np.uint8)}, {"standing": asdict(stood)})
+    return _read(key)
 
 
-def _read(kept_as: str) -> Light | None:
+def _find(scene: Scene, remembered: str) -> Light | None:
+    """The light of a scene that stands like this one, else the one that it remembers."""
+    return _read(key_of(_VERSION, standing(scene, Keys()))) or (_read(remembered) if remembered else None)
+
+
+def _read(key: str) -> Light | None:
     cache = Cache()
-    kept, entry = cache.look(_KIND, kept_as), cache.get(_KIND, kept_as)
+    kept, entry = cache.look(_KIND, key), cache.get(_KIND, key)
     if kept is None or entry is None:
         return None
     with tempfile.TemporaryDirectory() as folder:
         archive = Path(folder, f"light{EXTENSION}")
         archive.write_bytes(entry.arrays["archive"])
         scene = load(archive)
-    return Light(scene, Standing(**entry.meta["standing"]), kept.size, kept.written)
+    return Light(key, scene, Standing(**entry.meta["standing"]), kept.size, kept.written)
+
+
+def _remember(uid: int, key: str) -> None:
+    """Have a scene keep the key of its light, in its file as well."""
+    scene = next((scene for scene in bpy.data.scenes if scene.session_uid == uid), None)
+    if scene is not None and scene.library is None and scene.catoptric.light != key:
+        scene.catoptric.light = key
 
 
 def _wake() -> None:
@@ -125,7 +146,9 @@ def poll() -> float | None:
             continue
         del _loading[uid]
         try:
-            _lights[uid] = future.result()
+            light = _lights[uid] = future.result()
+            if light is not None:
+                _remember(uid, light.key)
         except CatoptricError as problem:
             _lights[uid] = None
             work.tell(str(problem))

@@ -23,7 +23,7 @@ class LightTask(ProcessTask):
     def __init__(self, scene: bpy.types.Scene, read: Scene) -> None:
         """`read` is the scene as it stands now."""
         super().__init__("Baking light", "export", lighting=Lighting.CYCLES.value)
-        self._uid, self._key, self._stood = scene.session_uid, lights.key(scene), read
+        self._uid, self._stood = scene.session_uid, read
 
     def arguments(self, folder: Path) -> dict[str, object]:
         """The archive goes to the temporary folder."""
@@ -31,7 +31,7 @@ class LightTask(ProcessTask):
 
     def finish(self) -> None:
         """Keep the archive, and show it."""
-        lights.keep(self._uid, self._key, self.folder / f"light{EXTENSION}", self._stood)
+        lights.keep(self._uid, self.folder / f"light{EXTENSION}", self._stood)
         bakes.forget_account(self._uid)
         self.outcome = "The light is baked"
 

@@ -52,7 +52,7 @@ def draw_settings(layout: bpy.types.UILayout, context: bpy.types.Context) -> Non
     layout.prop(settings, "method")
     draw_parameters(layout, settings.methods, settings.method)
     layout.prop(settings, "lighting")
-    if settings.lighting == Lighting.CYCLES and lights.known(context.scene) is None and not lights.busy():
+    if settings.lighting == Lighting.CYCLES and lights.missing(context.scene) and not lights.busy():
         draw_text(layout, "No light is baked yet; lamps stand in for it", context, icon="INFO")
         layout.operator("catoptric.bake_light", icon="LIGHT")
 

@@ -8,7 +8,7 @@ from ..methods.layered_depth_published import LayeredDepthPublished
 from . import bakes
 from .operators_bake import read_stage
 from .panel_drawing import draw_text
-from .preflight import for_cycles, unsaved
+from .preflight import for_cycles
 from .texts import ago, size_of
 
 _ICONS = {bakes.FRESH: "CHECKMARK", bakes.STALE: "FILE_REFRESH", bakes.MISSING: "REMOVE"}
@@ -61,6 +61,6 @@ def _draw_light(layout: bpy.types.UILayout, context: bpy.types.Context, state: b
     if state.why:
         draw_text(box, state.why, context, icon="BLANK1")
     if state.kind != bakes.FRESH:
-        for sentence in (*unsaved("the light"), *for_cycles(context.scene, context.view_layer)):
+        for sentence in for_cycles(context.scene, context.view_layer):
             draw_text(box, sentence, context, icon="INFO")
     box.operator("catoptric.bake_light", icon="LIGHT")

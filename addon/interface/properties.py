@@ -121,6 +121,7 @@ class SceneSettings(bpy.types.PropertyGroup):
         update=_redraw,
         description="Where the light of a surface comes from",
     )
+    light: bpy.props.StringProperty(options={"HIDDEN"}, description="The key of the light that was baked last")
     overlay: bpy.props.EnumProperty(
         name="Overlay", items=OVERLAYS, default="PICTURE", update=_redraw, description="What the viewport shows instead"
     )
