@@ -11,7 +11,16 @@ from pathlib import Path
 import bpy
 import pytest
 from catoptric.addon.cache import DIRECTORY_VARIABLE, Cache
-from catoptric.addon.interface import background, bakes, lights, operators_bake, stages, work
+from catoptric.addon.interface import (
+    background,
+    bakes,
+    lights,
+    operators_bake,
+    operators_compare,
+    preflight,
+    stages,
+    work,
+)
 from catoptric.addon.scene import Lighting
 from catoptric.addon.scene.archive import load
 
@@ -227,9 +236,23 @@ def test_compare_without_a_reflector_says_so_and_leaves_no_folder(saved):
     until(lambda: not (saved / "stage-catoptric" / "Scene").exists())
 
 
-def test_an_unsaved_file_is_compared_in_the_temporary_folder(scene):
+def test_the_report_of_an_unsaved_file_stays_in_the_user_s_folder(scene, tmp_path, monkeypatch):
+    monkeypatch.setenv("BLENDER_USER_RESOURCES", str(tmp_path / "user"))
+    (said,) = preflight.unsaved(operators_compare.report_folder(scene))
     assert bpy.ops.catoptric.compare() == {"FINISHED"}
-    assert (Path(bpy.app.tempdir) / "catoptric" / "Scene" / "report.html").is_file()
+    (report,) = (tmp_path / "user").rglob("report.html")
+    assert str(report.parent) in said
+    assert Path(bpy.app.tempdir) not in report.parents
+    bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "named.blend"))
+    assert operators_compare.last_report(bpy.context.scene) == report  # *Open Report* finds it still
+    assert preflight.unsaved(report) == []
+
+
+def test_two_unsaved_files_share_no_folder(scene):
+    before = operators_compare.report_folder(scene)
+    time.sleep(1.1)
+    bpy.ops.wm.read_homefile(use_empty=True)
+    assert operators_compare.report_folder(bpy.context.scene) != before
 
 
 def test_exports_are_written(saved):
@@ -325,6 +348,7 @@ bpy.ops.wm.open_mainfile(filepath={file!r})
 catoptric.register()
 from catoptric.addon.interface import operators_compare, work
 task = operators_compare._Comparison(
+    0,
     operators_compare.report_folder(bpy.context.scene),
     lighting="unlit",
     settings={{"layered-depth": {{}}}},

@@ -1,8 +1,8 @@
 """What Blender shows of the add-on: a render engine, settings, a panel and the buttons in it."""
 
-from . import background, bakes, engine, hud, lights, operators, panel, properties, stages, work
+from . import background, bakes, engine, hud, lights, operators, panel, places, properties, stages, work
 
-_PARTS = (properties, work, background, lights, stages, bakes, engine, hud, operators, panel)
+_PARTS = (properties, work, places, background, lights, stages, bakes, engine, hud, operators, panel)
 
 
 def register() -> None:

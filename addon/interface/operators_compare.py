@@ -1,7 +1,6 @@
 """Compare with Cycles, and look at the report."""
 
 import shutil
-import tempfile
 import webbrowser
 from pathlib import Path
 
@@ -12,23 +11,28 @@ from ..methods.registry import METHODS
 from . import preflight
 from .background import ProcessTask
 from .choices import OF_SCENE
+from .places import output_folder
 from .working import Working
 
 REPORT = "report.html"
+
+_written: dict[int, Path] = {}
+"""By scene, the last report of this session."""
 
 
 class _Comparison(ProcessTask):
     """The batch comparator, on a copy of the open file."""
 
-    def __init__(self, folder: Path, **arguments: object) -> None:
+    def __init__(self, uid: int, folder: Path, **arguments: object) -> None:
         super().__init__("Comparing with Cycles", "compare", out=str(folder), **arguments)
-        self._report = folder / REPORT
+        self._uid, self._report = uid, folder / REPORT
         self._was_there = folder.exists()
 
     def finish(self) -> None:
         """Open the report."""
         if not self._report.is_file():
             raise MachineError(f"no report was written; {self.notes[-1] if self.notes else 'Blender ended too early'}")
+        _written[self._uid] = self._report
         self.outcome = f"Report: {self._report}"
         if not bpy.app.background:
             show(self._report)
@@ -57,6 +61,7 @@ class CATOPTRIC_OT_compare(Working, bpy.types.Operator):
         settings = scene.catoptric
         chosen = list(METHODS) if settings.compared == "ALL" else methods_in_use(scene)
         return _Comparison(
+            scene.session_uid,
             report_folder(scene),
             lighting=settings.lighting,
             settings={name: dict(settings.methods.values(name)) for name in chosen},
@@ -73,14 +78,14 @@ class CATOPTRIC_OT_open_report(bpy.types.Operator):
     @classmethod
     def poll(cls, context: bpy.types.Context) -> bool:
         """Once there is one."""
-        if not (report_folder(context.scene) / REPORT).is_file():
+        if not last_report(context.scene).is_file():
             cls.poll_message_set("There is no report of this scene yet; compare it with Cycles first")
             return False
         return True
 
     def execute(self, context: bpy.types.Context) -> set[str]:
         """Open the browser."""
-        show(report_folder(context.scene) / REPORT)
+        show(last_report(context.scene))
         return {"FINISHED"}
 
 
@@ -91,16 +96,14 @@ def methods_in_use(scene: bpy.types.Scene) -> list[str]:
 
 
 def report_folder(scene: bpy.types.Scene) -> Path:
-    """Where the report of a scene lies: beside its file, or in Blender's temporary folder."""
+    """Where the report of a scene goes."""
     return output_folder() / bpy.path.clean_name(scene.name)
 
 
-def output_folder() -> Path:
-    """The folder that what is written goes to by itself."""
-    if bpy.data.filepath:
-        file = Path(bpy.data.filepath)
-        return file.with_name(f"{file.stem}-catoptric")
-    return Path(bpy.app.tempdir or tempfile.gettempdir()) / "catoptric"
+def last_report(scene: bpy.types.Scene) -> Path:
+    """The report that was written last; the file may have got a name since."""
+    newest = _written.get(scene.session_uid)
+    return newest if newest is not None and newest.is_file() else report_folder(scene) / REPORT
 
 
 def show(report: Path) -> None:

@@ -8,7 +8,7 @@ from ..baking.engine_export import CUBE_SIZE, PARAMETERS
 from ..scene.archive import EXTENSION
 from . import bakes, preflight
 from .background import ProcessTask
-from .operators_compare import output_folder
+from .places import output_folder
 from .working import Working
 
 
@@ -83,7 +83,7 @@ class CATOPTRIC_OT_export_scene(_Asking, bpy.types.Operator):
         """A file beside the .blend."""
         if bpy.data.filepath:
             return Path(bpy.data.filepath).with_suffix(EXTENSION)
-        return output_folder().with_name(f"scene{EXTENSION}")
+        return output_folder() / f"scene{EXTENSION}"
 
     def task(self, context: bpy.types.Context) -> ProcessTask:
         """With the light that the settings ask for."""

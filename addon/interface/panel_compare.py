@@ -3,7 +3,7 @@
 import bpy
 
 from . import preflight
-from .operators_compare import methods_in_use
+from .operators_compare import methods_in_use, report_folder
 from .panel_drawing import draw_text
 
 
@@ -15,7 +15,7 @@ def draw_compare(layout: bpy.types.UILayout, context: bpy.types.Context) -> None
     if scene.catoptric.compared == "USED":
         layout.label(text=", ".join(methods_in_use(scene)))
     trouble = preflight.no_camera(scene) or preflight.no_cycles(scene)
-    said = [*preflight.unsaved("the report"), *preflight.for_cycles(scene, context.view_layer)]
+    said = [*preflight.unsaved(report_folder(scene)), *preflight.for_cycles(scene, context.view_layer)]
     for sentence in [trouble] if trouble else said:
         draw_text(layout, sentence, context, icon="ERROR" if trouble else "INFO")
     layout.operator("catoptric.compare_in_place", icon="ARROW_LEFTRIGHT")

@@ -1,5 +1,7 @@
 """What a person should know before a button is pressed, a sentence each."""
 
+from pathlib import Path
+
 import bpy
 
 from .texts import listed
@@ -19,11 +21,11 @@ def no_cycles(scene: bpy.types.Scene) -> str:
     return "" if hasattr(scene, "cycles") else "Cycles is switched off; enable it under Add-ons"
 
 
-def unsaved(where: str) -> list[str]:
-    """What it means for `where` something goes that the file has no place of its own yet."""
+def unsaved(folder: Path) -> list[str]:
+    """Where a report goes as long as the file has no place of its own."""
     if bpy.data.filepath:
         return []
-    return [f"The file is not saved yet: {where} goes to a temporary folder, which Blender empties when it quits"]
+    return [f"The file is not saved yet: the report goes to {folder}, and stays there"]
 
 
 def for_cycles(scene: bpy.types.Scene, layer: bpy.types.ViewLayer) -> list[str]:
