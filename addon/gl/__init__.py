@@ -1,6 +1,7 @@
 """The one OpenGL context: its thread, programs, data textures and timers."""
 
 from .context import adopt, call, give_way, on_gl_thread, require, submit
+from .functions import function
 from .programs import program, screen
 from .textures import DataTexture
 from .timers import Stopwatch, is_software
@@ -10,6 +11,7 @@ __all__ = [
     "Stopwatch",
     "adopt",
     "call",
+    "function",
     "give_way",
     "is_software",
     "on_gl_thread",

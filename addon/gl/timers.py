@@ -6,7 +6,7 @@ from statistics import median
 from time import perf_counter
 
 from .context import require
-from .finish import finish
+from .functions import function
 
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software")
 
@@ -44,14 +44,19 @@ class Stopwatch:
 
     @contextmanager
     def _clocked(self, times: list[Callable[[], float]]) -> Iterator[None]:
-        finish()
+        _finish()
         start = perf_counter()
         yield
-        finish()
+        _finish()
         elapsed = 1e3 * (perf_counter() - start)
         times.append(lambda: elapsed)
 
     def medians(self) -> dict[str, float]:
         """Median milliseconds of each stage. The first time of several, a warm-up, is not counted."""
-        finish()
+        _finish()
         return {name: median(time() for time in times[len(times) > 1 :]) for name, times in self._times.items()}
+
+
+def _finish() -> None:
+    """Wait until everything drawn so far is drawn, while other Python threads go on: moderngl's would hold them."""
+    function("glFinish")()
