@@ -2,14 +2,20 @@
 
 from .canvas import Canvas
 from .layer_view import layer_view
+from .opening import NEED_STENCIL, Clipping, Opening
 from .passes import ScreenPass
+from .rasteriser import MOST_CUTS
 from .resident import FREE_UNIT, Resident
 from .tables import first_triangles, world_box
 from .visibility import Part, Visibility, world_to_clip
 
 __all__ = [
     "FREE_UNIT",
+    "MOST_CUTS",
+    "NEED_STENCIL",
     "Canvas",
+    "Clipping",
+    "Opening",
     "Part",
     "Resident",
     "ScreenPass",

@@ -18,15 +18,15 @@ class Canvas:
     `picture` the reflections of a sample, `centre` those of the one at the pixel's centre, with its distance.
     """
 
-    def __init__(self, width: int, height: int, apart: bool = False) -> None:
-        """`apart` keeps the reflections by themselves as well, in `reflection`.
+    def __init__(self, width: int, height: int, apart: bool = False, stencil: bool = False) -> None:
+        """`apart` keeps the reflections by themselves as well, in `reflection`; `stencil` is for openings.
 
         Raises `UsageError` for a size that makes no sense, `MachineError` for one that the GPU does not draw.
         """
         _check_size(width, height)
         context = require()
         self.size = (width, height)
-        self.visibility = Visibility(width, height)
+        self.visibility = Visibility(width, height, stencil)
         self.color = context.texture(self.size, 4, dtype="f4")
         self.distance = context.texture(self.size, 1, dtype="f4")
         self.reflection = context.texture(self.size, 4, dtype="f4") if apart else None
@@ -42,6 +42,11 @@ class Canvas:
     def clear(self) -> None:
         """Wipe everything that passes add to; the spare distances count for nothing."""
         self.centre.clear()
+
+    def keep_to(self, bounds: tuple[int, int, int, int]) -> None:
+        """Draw only within x, y, width and height from now on; row 0 is at the bottom."""
+        for target in (self.light, self.picture, self.centre):
+            target.scissor = bounds
 
     def rows(self, texture: moderngl.Texture) -> np.ndarray:
         """(H, W, channels) float32 of one of the textures as it is, row 0 at the bottom."""

@@ -5,10 +5,11 @@ from collections.abc import Sequence
 import moderngl
 import numpy as np
 
-from ..gl import DataTexture, program, require
-from ..scene import Lighting, Mesh, Scene
+from ..gl import DataTexture
+from ..scene import Lighting, Scene
 from .lamps import world_light
-from .tables import first_triangles, geometry_tables, material_defines, record_table
+from .rasteriser import Rasteriser
+from .tables import geometry_tables, material_defines, record_table
 
 _LIGHTING = {Lighting.UNLIT: 0, Lighting.CYCLES: 1, Lighting.DIRECT: 2}
 
@@ -22,9 +23,8 @@ class Resident:
     def __init__(self, scene: Scene, lighting: Lighting) -> None:
         """Upload everything; raises `MachineError` where the GPU cannot hold it."""
         self.lighting = lighting
-        self._visibility = program("visibility/visibility.vert", "visibility/visibility.frag")
         self._textures: dict[str, DataTexture] = {}
-        self._vertex_arrays: dict[Mesh, moderngl.VertexArray] = {}
+        self.rasteriser = Rasteriser()
         self._groups: dict[int, int] = {}
         self._upload(geometry_tables(scene))
         self._take(scene)
@@ -60,23 +60,13 @@ class Resident:
         self.scene = scene
         self._material_defines = material_defines(scene)
         self._world_light = world_light(scene.world)
-        self._first_triangle = first_triangles(scene)
-        for mesh in self._vertex_arrays.keys() - set(scene.meshes):
-            self._vertex_arrays.pop(mesh).release()
-        for mesh in set(scene.meshes) - self._vertex_arrays.keys():
-            self._vertex_arrays[mesh] = self._vertex_array(mesh)
+        self.rasteriser.take(scene)
 
     def _upload(self, tables: dict[str, np.ndarray]) -> None:
         for name, table in tables.items():
             if name in self._textures:
                 self._textures.pop(name).release()
             self._textures[name] = DataTexture(table)
-
-    def _vertex_array(self, mesh: Mesh) -> moderngl.VertexArray:
-        context = require()
-        vertices = context.buffer(np.ascontiguousarray(mesh.positions, np.float32))
-        indices = context.buffer(np.ascontiguousarray(mesh.triangles, np.int32))
-        return context.vertex_array(self._visibility, [(vertices, "3f", "position")], indices)
 
     @property
     def defines(self) -> dict[str, int]:
@@ -98,26 +88,11 @@ class Resident:
             if name in shader:
                 shader[name] = value
 
-    def rasterise(self, world_to_clip: np.ndarray, hidden: frozenset[int] = frozenset()) -> None:
-        """Draw (instance + 1, triangle) of what the camera sees into the bound framebuffer.
-
-        `world_to_clip` (4, 4) float64; `hidden` instances are left out, as are those not `in_camera`.
-        """
-        for index, instance in enumerate(self.scene.instances):
-            if instance.in_camera and index not in hidden:
-                # Products in double precision: a float chain loses far scenes.
-                matrix = (world_to_clip @ instance.matrix).astype(np.float32)
-                self._visibility["object_to_clip"].write(matrix.T.tobytes())
-                self._visibility["instance"] = index + 1
-                self._visibility["first_triangle"] = int(self._first_triangle[instance.mesh])
-                self._vertex_arrays[self.scene.meshes[instance.mesh]].render(moderngl.TRIANGLES)
-
     def release(self) -> None:
         """Give the GPU memory back."""
         for texture in self._textures.values():
             texture.release()
-        for array in self._vertex_arrays.values():
-            array.release()
+        self.rasteriser.release()
 
 
 def _geometry(scene: Scene) -> tuple:

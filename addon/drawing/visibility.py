@@ -1,12 +1,15 @@
 """What a camera sees first: a triangle a pixel."""
 
+from collections.abc import Callable
 from enum import Enum
 
 import moderngl
 import numpy as np
 
 from ..gl import program, require, screen
+from ..gl.stencil import attach_stencil, depth_stencil
 from ..scene import Camera
+from .opening import Opening
 from .resident import FREE_UNIT, Resident
 
 
@@ -25,27 +28,42 @@ class Visibility:
     spared all other pixels; the target then needs a `depth_mask` of False.
     """
 
-    def __init__(self, width: int, height: int) -> None:
-        """Make a target of `width` × `height` pixels."""
+    def __init__(self, width: int, height: int, stencil: bool = False) -> None:
+        """Make a target of `width` × `height` pixels; `stencil` for openings that need one."""
         context = require()
         self.size = (width, height)
         self.texture = context.texture(self.size, 2, dtype="u4")
         self.texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        self._depth = context.depth_renderbuffer(self.size)
+        self._depth = depth_stencil(self.size) if stencil else context.depth_renderbuffer(self.size)
         self._target = context.framebuffer([self.texture], self._depth)
+        if stencil:
+            attach_stencil(self._target, self._depth)
         self.parts = context.depth_renderbuffer(self.size)
         self._mask = context.framebuffer([], self.parts)
         self._mark = program(None, "visibility/parts.frag")
         self._screen = screen(self._mark)
 
     def draw(self, resident: Resident, world_to_clip: np.ndarray, hidden: frozenset[int] = frozenset()) -> None:
-        """Rasterise the scene; `hidden` instances are left out."""
+        """Rasterise what cameras see of the scene; `hidden` instances are left out."""
         context = require()
         self._target.use()
         context.viewport = (0, 0, *self.size)
         self._target.clear()
         context.enable_only(moderngl.DEPTH_TEST)
-        resident.rasterise(world_to_clip, hidden)
+        instances = resident.scene.instances
+        shown = (index for index, instance in enumerate(instances) if instance.in_camera and index not in hidden)
+        resident.rasteriser.draw(world_to_clip, shown)
+
+    def draw_through(self, resident: Resident, world_to_clip: np.ndarray, opening: Opening) -> None:
+        """Rasterise what is seen through an opening, and nothing else."""
+        context = require()
+        self._target.scissor = self._mask.scissor = opening.bounds
+        self._target.use()
+        context.viewport = (0, 0, *self.size)
+        self._target.clear()
+        context.enable_only(moderngl.DEPTH_TEST)
+        with opening.kept_to(self._target):
+            resident.rasteriser.draw(world_to_clip, opening.shown, opening.cuts)
 
     def mark_parts(self, resident: Resident, group: int = 0) -> None:
         """Fill `parts` from what `draw` found; of the reflectors, those of one group count as such."""
@@ -59,6 +77,19 @@ class Visibility:
         self._mark["visibility"], self._mark["group"] = FREE_UNIT, group
         self._screen.render(vertices=3)
         context.depth_func = "<"
+
+    def shows(self, mark: Callable[[], None]) -> bool:
+        """Whether `mark`, which draws a fragment for each pixel that it looks for, finds one."""
+        context = require()
+        self._mask.depth_mask = False
+        self._mask.use()
+        context.viewport = (0, 0, *self.size)
+        context.enable_only(moderngl.NOTHING)
+        counted = context.query(samples=True)
+        with counted:
+            mark()
+        self._mask.depth_mask = True
+        return counted.samples > 0
 
     def release(self) -> None:
         """Give the memory back."""

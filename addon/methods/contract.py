@@ -7,7 +7,7 @@ from typing import ClassVar
 
 import numpy as np
 
-from ..drawing import Canvas
+from ..drawing import Canvas, Opening
 from ..gl import on_gl_thread
 from ..parameters import Parameter, Value, resolve
 from ..progress import Progress, silent
@@ -16,12 +16,17 @@ from ..scene import Camera, Instance, Lighting, Scene
 
 @dataclass(frozen=True)
 class View:
-    """A picture to render: `width` × `height` pixels, `samples` per side of a pixel (4 is 16 a pixel, in a box)."""
+    """A picture to render: `width` × `height` pixels, `samples` per side of a pixel (4 is 16 a pixel, in a box).
+
+    `mirrored` counts the mirrors that the camera has been put behind, `opening` is what it then looks through.
+    """
 
     camera: Camera
     width: int
     height: int
     samples: int = 4
+    mirrored: int = 0
+    opening: Opening | None = None
 
     def shows_the_same(self, other: "View") -> bool:
         """Whether pictures of the two may be held against each other, pixel by pixel, whatever their samples."""

@@ -66,7 +66,6 @@ class DeferredMethod(EnsembleMethod):
     def before_frame(self, view: View) -> None:
         """What the method draws anew for every frame, before the reflections; counted in their time."""
 
-    @abstractmethod
     def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
         """Set the uniforms and textures (from unit FREE_UNIT + 1 on) of the reflection pass."""
 
@@ -82,10 +81,10 @@ class DeferredMethod(EnsembleMethod):
         """Alone on the stage, the method draws every reflector."""
         return {self: scene.reflectors}
 
-    def join(self, resident: Resident, reflectors: tuple[int, ...], progress: Progress) -> None:
-        """Get ready to draw these reflectors of the scene, until `free`; on the GL thread."""
-        self.resident, self.reflectors = resident, reflectors
-        self._pass = ScreenPass(self.shader, resident, Part.REFLECTORS)
+    def join(self, ensemble: "Ensemble", reflectors: tuple[int, ...], progress: Progress) -> None:
+        """Get ready to draw these reflectors of the ensemble's scene, until `free`; on the GL thread."""
+        self.ensemble, self.resident, self.reflectors = ensemble, ensemble.resident, reflectors
+        self._pass = ScreenPass(self.shader, self.resident, Part.REFLECTORS)
         self.bake(progress)
 
     def reflect(self, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
@@ -132,7 +131,7 @@ class Ensemble:
         missing = [method for method in self._cast if method not in self._ready]
         for number, method in enumerate(missing):
             share = part_of(progress, number / len(missing), (number + 1) / len(missing))
-            method.join(self.resident, self._cast[method], share)
+            method.join(self, self._cast[method], share)
             self._ready.add(method)
 
     def _dismiss(self, methods: Iterable[DeferredMethod]) -> None:
@@ -168,18 +167,36 @@ class Ensemble:
         return {**stages, "reflection": reflection, **shares, "frame": sum(stages.values()) + reflection}
 
     def _paint_sample(self, view: View, canvas: Canvas, watch: Stopwatch, offset, weight: float) -> None:
-        seen, target = canvas.visibility, canvas.picture if any(offset) else canvas.centre
+        target = canvas.picture if any(offset) else canvas.centre
         with watch.stage("visibility"):
-            seen.draw(self.resident, world_to_clip(view.camera, *canvas.size, offset))
-            seen.mark_parts(self.resident)
+            canvas.visibility.draw(self.resident, world_to_clip(view.camera, *canvas.size, offset))
+            canvas.visibility.mark_parts(self.resident)
         with watch.stage("light"):
-            for drawn in (self._world, self._lit):
-                drawn.draw(view.camera, seen, canvas.light, offset=offset, weight=weight)
+            self._light(view, canvas, offset=offset, weight=weight)
         for group, method in self._drawing():
             with watch.stage(f"reflection {group}"):
-                if group:
-                    seen.mark_parts(self.resident, group)
-                method.reflect(view, seen, target, offset=offset, weight=weight)
+                self._reflect(group, method, view, canvas.visibility, target, offset=offset, weight=weight)
+
+    def paint_mirrored(self, view: View, canvas: Canvas, offset: tuple[float, float]) -> None:
+        """Wipe a canvas and draw one sample of what a mirrored camera sees through the view's opening."""
+        canvas.keep_to(view.opening.bounds)
+        canvas.clear()
+        clip = world_to_clip(view.camera, *canvas.size, offset)
+        canvas.visibility.draw_through(self.resident, clip, view.opening)
+        canvas.visibility.mark_parts(self.resident)
+        self._light(view, canvas, offset=offset)
+        if view.mirrored <= self.resident.scene.glossy_bounces:
+            for group, method in self._drawing():
+                self._reflect(group, method, view, canvas.visibility, canvas.centre, offset=offset, weight=1.0)
+
+    def _light(self, view: View, canvas: Canvas, **sample) -> None:
+        for drawn in (self._world, self._lit):
+            drawn.draw(view.camera, canvas.visibility, canvas.light, **sample)
+
+    def _reflect(self, group: int, method: DeferredMethod, view: View, seen: Visibility, target, **sample) -> None:
+        if group:
+            seen.mark_parts(self.resident, group)
+        method.reflect(view, seen, target, **sample)
 
     def release(self) -> None:
         """Give the GPU memory back."""

@@ -1,0 +1,7 @@
+// Nothing is seen here.
+
+out uvec2 seen;
+
+void main() {
+    seen = uvec2(0u);
+}
