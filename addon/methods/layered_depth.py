@@ -2,6 +2,7 @@
 
 import moderngl
 
+from ..scene import Scene
 from .contract import View
 from .deferred import DeferredMethod
 
@@ -25,5 +26,10 @@ class LayeredDepth(DeferredMethod):
     shader = "layered_depth/layered_depth.frag"
 
     def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
-        """How often a path reflects: once more than Cycles' glossy bounces."""
-        shader["reflections"] = self.scene.glossy_bounces + 1
+        """How often a path reflects."""
+        shader["reflections"] = reflections_left(self.scene, view)
+
+
+def reflections_left(scene: Scene, view: View) -> int:
+    """How often a path may reflect that a view begins: in all once more than Cycles' glossy bounces."""
+    return scene.glossy_bounces + 1 - view.mirrored

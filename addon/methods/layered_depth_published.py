@@ -114,7 +114,7 @@ class LayeredDepthPublished(DeferredMethod):
         for name in ("linear_steps", "binary_steps", "threshold", "nearest"):
             shader[name] = self.settings[name]
         shader["most_layers"] = self.settings[LAYERS.name]
-        shader["use_regions"] = self.settings["regions"]
+        shader["use_regions"] = self.settings["regions"] and not view.mirrored  # they are of the frame's own camera
         shader["objects"] = len(self.scene.instances)
 
     def free(self) -> None:

@@ -4,6 +4,7 @@ from .deferred import DeferredMethod
 from .environment_map import EnvironmentMap, EnvironmentMapDynamic, EnvironmentMapParallax
 from .layered_depth import LayeredDepth
 from .layered_depth_published import LayeredDepthPublished
+from .planar import Planar
 
 TECHNIQUES: dict[str, type[DeferredMethod]] = {
     technique.name: technique
@@ -13,5 +14,6 @@ TECHNIQUES: dict[str, type[DeferredMethod]] = {
         EnvironmentMapParallax,
         LayeredDepthPublished,
         LayeredDepth,
+        Planar,
     )
 }

@@ -1,0 +1,178 @@
+"""Flat mirrors: where they are, what a camera sees behind them, and through which part of the screen."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass, replace
+
+import numpy as np
+
+from ..drawing import MOST_CUTS, Clipping, world_to_clip
+from ..scene import Camera, Instance, Scene
+from ..tracing import FlatParts, flat_parts
+from .situation import placed
+
+MOST_PARTS = 8
+"""Planes that a reflector may have: a box has six. Each that is seen costs a picture of the scene."""
+
+Bounds = tuple[int, int, int, int]
+"""x, y, width and height in pixels; row 0 is at the bottom."""
+
+_EDGE_ON = 1e-6
+_TOUCH = 1e-5
+
+
+@dataclass(frozen=True, eq=False)
+class Mirror:
+    """A flat part of a reflector.
+
+    `instance` is its index, `part` the number of the part from 1 on; `plane` (4,) float64 unit normal and offset
+    in the world; `points` (N, 3) float64 its corners, `outline` (M, 3) those of its convex hull, in order.
+    """
+
+    instance: int
+    part: int
+    plane: np.ndarray
+    points: np.ndarray
+    outline: np.ndarray
+
+
+def parts_of(scene: Scene, reflector: Instance, degrees: float, metres: float) -> FlatParts:
+    """The flat parts of what mirrors of a reflector, in world space."""
+    mesh = scene.meshes[reflector.mesh]
+    mirrors = np.array([scene.materials[index].mirrors for index in reflector.materials])
+    corners = mesh.corners.astype(np.float64) @ reflector.matrix[:3, :3].T + reflector.matrix[:3, 3]
+    normals = mesh.normals.astype(np.float64) @ np.linalg.inv(reflector.matrix[:3, :3])
+    return flat_parts(corners, normals, mirrors[mesh.slots], degrees, metres, MOST_PARTS)
+
+
+def mirrors_of(scene: Scene, index: int, parts: FlatParts) -> list[Mirror]:
+    """The flat mirrors of the instance `index`, whose parts these are."""
+    mesh, matrix = scene.meshes[scene.instances[index].mesh], scene.instances[index].matrix
+    positions = mesh.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
+    mirrors = []
+    for number, plane in enumerate(parts.planes):
+        points = positions[np.unique(mesh.triangles[parts.part == number])]
+        mirrors.append(Mirror(index, number + 1, plane, points, _outline(points, plane)))
+    return mirrors
+
+
+def _outline(points: np.ndarray, plane: np.ndarray) -> np.ndarray:
+    """Corners of the convex hull in the plane, in order (Andrew's monotone chain)."""
+    across = np.linalg.svd(plane[None, :3])[2][1:]
+    flat = points @ across.T
+    order = np.lexsort(flat.T[::-1])
+    hull: list[int] = []
+    for walk in (order, order[::-1]):
+        chain: list[int] = []
+        for index in walk:
+            while len(chain) > 1 and _turn(flat[chain[-2]], flat[chain[-1]], flat[index]) <= 0.0:
+                chain.pop()
+            chain.append(int(index))
+        hull += chain[:-1]
+    return points[hull]
+
+
+def _turn(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> float:
+    """Positive where a path turns left at `b`, by clearly more than rounding."""
+    ab, ac = b - a, c - a
+    return float(ab[0] * ac[1] - ab[1] * ac[0]) - 1e-9 * float(np.abs(ab).max() * np.abs(ac).max())
+
+
+def reflection_matrix(plane: np.ndarray) -> np.ndarray:
+    """(4, 4) that mirrors points in a plane with a unit normal (Goldman 1990, as 17.1.2 gives it)."""
+    matrix = np.eye(4)
+    matrix[:3, :3] -= 2.0 * np.outer(plane[:3], plane[:3])
+    matrix[:3, 3] = -2.0 * plane[3] * plane[:3]
+    return matrix
+
+
+def towards(plane: np.ndarray, camera: Camera) -> np.ndarray | None:
+    """The plane with its normal on the camera's side; None where the camera sees it edge-on."""
+    if camera.ortho_scale is None:
+        height = float(plane[:3] @ camera.position + plane[3])
+        limit = _EDGE_ON * (1.0 + float(np.abs(camera.position).max()))
+    else:
+        height, limit = float(plane[:3] @ camera.matrix[:3, 2]), _EDGE_ON
+    return None if abs(height) < limit else np.sign(height) * plane
+
+
+def mirrored(camera: Camera, mirror: Mirror, scene: Scene) -> Camera:
+    """The camera behind the mirror, which sees the scene as the mirror shows it.
+
+    It sees as far as there is anything, since a camera's own far end is for what it sees directly; and from the
+    mirror on, so that depth is precise.
+    """
+    matrix = reflection_matrix(mirror.plane) @ camera.matrix
+    at = placed(scene)
+    corners = np.maximum(np.abs(at.low - matrix[:3, 3]), np.abs(at.high - matrix[:3, 3]))
+    depths = -((mirror.points - camera.position) @ camera.matrix[:3, 2])
+    near = max(camera.near, 0.99 * float(depths.min()))
+    return replace(
+        camera, matrix=matrix, near=near, far=max(2.0 * near, 1.01 * float(np.linalg.norm(corners, axis=1).max()))
+    )
+
+
+def seen_within(camera: Camera, mirror: Mirror, size: tuple[int, int], bounds: Bounds) -> Bounds | None:
+    """The part of `bounds` that holds the mirror, with a pixel to spare; None where it is not in there."""
+    width, height = size
+    at = np.c_[mirror.points, np.ones(len(mirror.points))] @ world_to_clip(camera, width, height).T
+    if (at[:, 3] <= 0.0).all():
+        return None
+    if (at[:, 3] <= camera.near * 1e-3).any():
+        return bounds
+    corner = (at[:, :2] / at[:, 3:] + 1.0) / 2.0 * (width, height)
+    x, y, wide, high = bounds
+    low = np.maximum(np.floor(corner.min(axis=0)) - 1.0, (x, y)).astype(int)
+    high_end = np.minimum(np.ceil(corner.max(axis=0)) + 1.0, (x + wide, y + high)).astype(int)
+    return None if (high_end <= low).any() else (*map(int, low), *map(int, high_end - low))
+
+
+def cut_at(plane: np.ndarray, scene: Scene) -> np.ndarray:
+    """A mirror's plane, moved towards the viewer by so little that the mirror itself is behind it."""
+    at = placed(scene)
+    reach = max(float(np.abs(at.low).max()), float(np.abs(at.high).max()))
+    return plane - np.array([0.0, 0.0, 0.0, _TOUCH * (1.0 + reach)])
+
+
+def before(plane: np.ndarray, mirror: Mirror) -> bool:
+    """Whether any of a mirror is on the plane's positive side."""
+    return bool((mirror.points @ plane[:3] + plane[3]).max() > 0.0)
+
+
+def edge_planes(outline: np.ndarray, camera: Camera) -> np.ndarray:
+    """(N, 4) planes through the camera and the edges of an outline, positive inside; none if there are too many.
+
+    The camera may be the mirrored one: an outline is its own mirror image. What has more edges than OpenGL cuts
+    by, besides the mirror's own plane, is left to other means.
+    """
+    if len(outline) >= MOST_CUTS:
+        return np.zeros((0, 4))
+    along = np.roll(outline, -1, axis=0) - outline
+    sight = (
+        outline - camera.position if camera.ortho_scale is None else np.broadcast_to(camera.matrix[:3, 2], along.shape)
+    )
+    normals = np.cross(sight, along)
+    normals /= np.maximum(np.linalg.norm(normals, axis=1, keepdims=True), 1e-30)
+    planes = np.c_[normals, -(normals * outline).sum(axis=1)]
+    inside = planes @ np.append(outline.mean(axis=0), 1.0)
+    return np.sign(inside)[:, None] * planes
+
+
+def reached(camera: Camera, cut: np.ndarray, size: tuple[int, int], bounds: Bounds, scene: Scene) -> Sequence[int]:
+    """The instances whose boxes are in front of a mirror and in the pyramid from the camera through `bounds`."""
+    (x, y, wide, high), (width, height) = bounds, size
+    left, right = 2.0 * x / width - 1.0, 2.0 * (x + wide) / width - 1.0
+    bottom, top = 2.0 * y / height - 1.0, 2.0 * (y + high) / height - 1.0
+    clip = world_to_clip(camera, width, height)
+    sides = [clip[0] - left * clip[3], right * clip[3] - clip[0], clip[1] - bottom * clip[3], top * clip[3] - clip[1]]
+    planes = np.array([*sides, cut])
+    at = placed(scene)
+    middle, half = (at.low + at.high) / 2.0, (at.high - at.low) / 2.0
+    furthest = middle @ planes[:, :3].T + planes[:, 3] + half @ np.abs(planes[:, :3]).T
+    shows = np.array([instance.in_reflections for instance in scene.instances])
+    return [int(index) for index in np.flatnonzero((furthest >= 0.0).all(axis=1) & shows)]
+
+
+def clipped_by(clipping: Clipping, mirror: Mirror, camera: Camera, cut: np.ndarray) -> np.ndarray:
+    """(N, 4) the planes that cut a mirrored picture: the mirror's own, and its edges' where that is the way."""
+    edges = edge_planes(mirror.outline, camera) if clipping is Clipping.CLIP_PLANES else np.zeros((0, 4))
+    return np.concatenate([cut[None], edges])

@@ -1,0 +1,239 @@
+"""Flat mirrors by a second picture of the scene."""
+
+from collections.abc import Iterator, Mapping
+from dataclasses import replace
+from functools import partial
+
+import moderngl
+import numpy as np
+
+from ..drawing import (
+    FREE_UNIT,
+    NEED_STENCIL,
+    Canvas,
+    Clipping,
+    Opening,
+    Part,
+    ScreenPass,
+    Visibility,
+    first_triangles,
+)
+from ..gl import DataTexture, program, screen
+from ..parameters import Parameter, Value
+from ..progress import Progress
+from ..scene import Instance, Scene
+from .contract import View
+from .deferred import Cast, DeferredMethod
+from .layered_depth import LayeredDepth, reflections_left
+from .mirrors import (
+    Bounds,
+    Mirror,
+    before,
+    clipped_by,
+    cut_at,
+    mirrored,
+    mirrors_of,
+    parts_of,
+    reached,
+    seen_within,
+    towards,
+)
+
+_SECTION = "Advanced Graphics Programming Using OpenGL, 17.1.2"
+_LEAST_FLAT = 0.5
+_PARTS_UNIT, _PICTURE_UNIT = FREE_UNIT + 1, FREE_UNIT + 2
+
+ANGLE = Parameter(
+    "angle",
+    "Flat within",
+    0.5,
+    "How far a flat mirror's triangles and normals may turn",
+    unit="degrees",
+    minimum=0.0,
+    maximum=45.0,
+)
+GAP = Parameter(
+    "gap",
+    "Even within",
+    0.001,
+    "How far a flat mirror's corners may lie from its plane",
+    unit="metres",
+    minimum=0.0,
+    maximum=10.0,
+)
+CLIPPING = Parameter(
+    "clipping",
+    "Clipping",
+    Clipping.STENCIL.value,
+    "How mirrored geometry is kept to the mirror; the picture is the same, the cost is not",
+    choices=tuple(way.value for way in Clipping),
+    section=_SECTION,
+)
+SCALE = Parameter(
+    "scale",
+    "Smaller by",
+    1,
+    "A projective texture is smaller than the picture by this factor",
+    minimum=1,
+    maximum=8,
+    section=_SECTION,
+)
+DEPTH = Parameter(
+    "depth",
+    "Mirrors in mirrors",
+    8,
+    "How often light may be mirrored; the scene's glossy bounces may end it earlier",
+    minimum=1,
+    maximum=16,
+    section=_SECTION,
+)
+
+
+class Planar(DeferredMethod):
+    """Flat mirrors: the scene is drawn once more for each, by a camera behind it.
+
+    Every flat part of a reflector is a mirror of its own. What a mirrored camera sees is lit and reflected as any
+    view is, so that mirrors in mirrors, and curved ones in flat ones, come by themselves; only what the mirror's
+    outline leaves of the screen is drawn, and only the objects that reach into it. Light and highlights fall where
+    they do in the scene, since it is the camera that is mirrored, not the geometry.
+
+    Source: *Advanced Graphics Programming Using OpenGL*, 17.1.1 and 17.1.2, with each of its ways to clip. Curved
+    reflectors, and what is curved of a flat one, are drawn by layered-depth.
+
+    Limitations: roughness counts as 0; a picture of the scene for every mirror that is seen, in mirrors too;
+    `clip-planes` leaves outlines of more than 7 edges to the picture's edge; a smaller projective texture is
+    soft, and bleeds a little over its own silhouettes.
+    """
+
+    name = "planar"
+    source = "Advanced Graphics Programming Using OpenGL, 17.1.2: the scene drawn again by a mirrored camera"
+    parameters = (CLIPPING, SCALE, DEPTH, ANGLE, GAP)
+    shader = "planar/planar.frag"
+
+    def __init__(self, settings: Mapping[str, Value] | None = None) -> None:
+        """As any method's; raises `UsageError` for a setting that is wrong."""
+        super().__init__(settings)
+        self._clipping = Clipping(self.settings["clipping"])
+        self._scale = self.settings["scale"] if self._clipping is Clipping.PROJECTIVE_TEXTURE else 1
+
+    @classmethod
+    def applies_to(cls, scene: Scene, reflector: Instance) -> str | None:
+        """Whether at least half of the reflector is flat."""
+        share = parts_of(scene, reflector, ANGLE.default, GAP.default).share
+        if share >= _LEAST_FLAT:
+            return None
+        return f"{reflector.name} is curved: {share:.0%} of it lies in few planes; layered-depth draws any shape"
+
+    def cast(self, scene: Scene) -> Cast:
+        """The flat reflectors; layered-depth takes those that are curved."""
+        flat = tuple(i for i in scene.reflectors if self.applies_to(scene, scene.instances[i]) is None)
+        curved = tuple(index for index in scene.reflectors if index not in flat)
+        return {self: flat, **({LayeredDepth(): curved} if curved else {})}
+
+    def bake(self, progress: Progress) -> None:
+        """Find the flat parts."""
+        progress("finding flat mirrors", 0.0)
+        self._mirrors: list[Mirror] = []
+        self._first: dict[int, int] = {}
+        self._rests: list[int] = []
+        numbers = [np.zeros((1, 1), np.uint32)]
+        first_triangle = first_triangles(self.scene)
+        for index in self.reflectors:
+            parts = parts_of(self.scene, self.scene.instances[index], self.settings["angle"], self.settings["gap"])
+            self._mirrors += mirrors_of(self.scene, index, parts)
+            self._first[index] = sum(map(len, numbers)) - int(first_triangle[self.scene.instances[index].mesh])
+            self._rests += [index] * (parts.share < 1.0)
+            numbers.append((parts.part[:, None] + 1).astype(np.uint32))
+        self._parts = DataTexture(np.concatenate(numbers))
+        self._canvases: dict[int, Canvas] = {}
+        self._mark = program(None, "planar/mark.frag")
+        self._rest = ScreenPass("planar/rest.frag", self.resident, Part.REFLECTORS)
+
+    def reflect(self, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
+        """Draw what every mirror in sight shows, and put it there; then what is not flat."""
+        whole = target.scissor
+        for mirror, bounds in self._in_sight(view, seen.size):
+            if seen.shows(partial(self._draw_mark, mirror, seen)):
+                canvas = self._look_into(mirror, bounds, view, seen, sample["offset"])
+                target.scissor = bounds
+                self._bind_mirror(self._pass.shader, mirror.instance, mirror.part)
+                self._bind_picture(self._pass.shader, canvas)
+                self._pass.draw(view.camera, seen, target, **sample)
+        target.scissor = whole
+        for index in self._rests:
+            self._bind_mirror(self._rest.shader, index, 0)
+            self._rest.shader["reflections"] = reflections_left(self.scene, view)
+            self._rest.draw(view.camera, seen, target, **sample)
+
+    def _in_sight(self, view: View, size: tuple[int, int]) -> Iterator[tuple[Mirror, Bounds]]:
+        """The mirrors that may be seen, facing the camera, and where on the screen."""
+        if view.mirrored >= self.settings["depth"]:
+            return
+        for mirror in self._mirrors:
+            plane = towards(mirror.plane, view.camera)
+            if plane is None or (view.opening and not before(view.opening.cuts[0], mirror)):
+                continue
+            bounds = seen_within(view.camera, mirror, size, view.opening.bounds if view.opening else (0, 0, *size))
+            if bounds:
+                yield replace(mirror, plane=plane), bounds
+
+    def _draw_mark(self, mirror: Mirror, seen: Visibility, depth: float = 0.0) -> None:
+        seen.texture.use(FREE_UNIT)
+        self._mark["visibility"], self._mark["depth"] = FREE_UNIT, depth
+        self._bind_mirror(self._mark, mirror.instance, mirror.part)
+        screen(self._mark).render(vertices=3)
+
+    def _look_into(self, mirror: Mirror, bounds: Bounds, view: View, seen: Visibility, offset) -> Canvas:
+        """What the mirror shows, at its place on the screen."""
+        scale = 1 if view.mirrored else self._scale
+        canvas = self._canvas(view.mirrored, tuple(-(-side // scale) for side in seen.size))
+        camera = mirrored(view.camera, mirror, self.scene)
+        (width, height), (wide, high) = seen.size, canvas.size
+        camera = replace(camera, pixel_aspect=camera.pixel_aspect * height * wide / (width * high))
+        bounds = _scaled(bounds, scale, canvas.size)
+        cut = cut_at(mirror.plane, self.scene)
+        opening = Opening(
+            bounds,
+            clipped_by(self._clipping, mirror, camera, cut),
+            reached(camera, cut, canvas.size, bounds, self.scene),
+            self._clipping,
+            partial(self._draw_mark, mirror, seen),
+        )
+        through = replace(view, camera=camera, width=wide, height=high, opening=opening, mirrored=view.mirrored + 1)
+        self.ensemble.paint_mirrored(through, canvas, tuple(part / scale for part in offset))
+        return canvas
+
+    def _canvas(self, level: int, size: tuple[int, int]) -> Canvas:
+        """Kept from frame to frame, one for each mirror in a mirror."""
+        if level in self._canvases and self._canvases[level].size != size:
+            self._canvases.pop(level).release()
+        if level not in self._canvases:
+            self._canvases[level] = Canvas(*size, stencil=self._clipping in NEED_STENCIL)
+        return self._canvases[level]
+
+    def _bind_mirror(self, shader: moderngl.Program, index: int, part: int) -> None:
+        self._parts.use(_PARTS_UNIT)
+        shader["mirror_parts"] = _PARTS_UNIT
+        shader["mirror"] = index, part, self._first[index]
+
+    def _bind_picture(self, shader: moderngl.Program, canvas: Canvas) -> None:
+        canvas.color.use(_PICTURE_UNIT)
+        canvas.visibility.texture.use(_PICTURE_UNIT + 1)
+        shader["mirrored"], shader["mirrored_visibility"] = _PICTURE_UNIT, _PICTURE_UNIT + 1
+        shader["filtered"] = self._scale > 1
+
+    def free(self) -> None:
+        """Give the pictures back."""
+        for canvas in self._canvases.values():
+            canvas.release()
+        self._parts.release()
+
+
+def _scaled(bounds: Bounds, scale: int, size: tuple[int, int]) -> Bounds:
+    """Bounds in a picture that is smaller by `scale`, with a texel to spare for the filter."""
+    if scale == 1:
+        return bounds
+    x, y, wide, high = bounds
+    low = max(x // scale - 1, 0), max(y // scale - 1, 0)
+    end = min(-(-(x + wide) // scale) + 1, size[0]), min(-(-(y + high) // scale) + 1, size[1])
+    return (*low, end[0] - low[0], end[1] - low[1])

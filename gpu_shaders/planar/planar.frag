@@ -1,0 +1,27 @@
+// A flat mirror shows the picture that the mirrored camera saw, at the same place of the screen.
+
+#include "common/reflection.glsl"
+#include "planar/mirror.glsl"
+
+uniform sampler2D mirrored;             // radiance, as large as the picture or smaller
+uniform usampler2D mirrored_visibility; // of the same size
+uniform bool filtered;                  // the mirrored picture is smaller than ours
+
+vec3 mirrored_radiance() {
+    if (!filtered) return texelFetch(mirrored, ivec2(gl_FragCoord.xy), 0).rgb;
+    return texture(mirrored, gl_FragCoord.xy / vec2(textureSize(visibility, 0))).rgb;
+}
+
+// How far `ray` gets to the triangle that the mirrored picture shows here.
+float mirrored_distance(Ray ray) {
+    vec2 place = gl_FragCoord.xy / vec2(textureSize(visibility, 0)) * vec2(textureSize(mirrored_visibility, 0));
+    uvec2 seen = texelFetch(mirrored_visibility, ivec2(place), 0).xy;
+    if (seen.x == 0u) return FAR;
+    mat4x3 inward = world_to_object(int(seen.x) - 1);
+    return meet_plane(inward * vec4(ray.origin, 1.0), mat3(inward) * ray.direction, triangle_at(int(seen.y))).z;
+}
+
+Mirrored mirrored_light(Surface s, vec3 direction) {
+    if (!shows_mirror(s.at.instance, s.at.triangle)) discard;
+    return Mirrored(reflectance(s, direction) * mirrored_radiance(), mirrored_distance(mirrored_ray(s, direction)));
+}
