@@ -1,8 +1,10 @@
 """The add-on registered in this Blender, with a small scene open; and what an add-on may leave behind."""
 
+import os
 import time
 from collections.abc import Iterator
 from contextlib import contextmanager
+from pathlib import Path
 
 import bpy
 import catoptric
@@ -53,6 +55,28 @@ def until(condition, seconds: float = 60.0) -> None:
         assert time.monotonic() < end
         work._look()
         time.sleep(0.02)
+
+
+def temporary() -> list[Path]:
+    """Folders of work under way."""
+    return list(Path(bpy.app.tempdir).glob("catoptric-*"))
+
+
+def alive(pid: int) -> bool:
+    """Whether a process goes on."""
+    try:
+        os.kill(pid, 0)
+    except ProcessLookupError:
+        return False
+    return Path(f"/proc/{pid}/stat").read_text().split()[2] != "Z" if Path("/proc").is_dir() else True
+
+
+def gone(pid: int, seconds: float = 20.0) -> bool:
+    """Whether it ends soon."""
+    end = time.monotonic() + seconds
+    while alive(pid) and time.monotonic() < end:
+        time.sleep(0.1)
+    return not alive(pid)
 
 
 def left_behind() -> dict[str, list[str]]:

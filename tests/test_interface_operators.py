@@ -1,7 +1,6 @@
 """Every button: when it can be pressed, what it does, and what it leaves."""
 
 import json
-import os
 import signal
 import subprocess
 import sys
@@ -10,7 +9,6 @@ from pathlib import Path
 
 import bpy
 import pytest
-from catoptric.addon.cache import DIRECTORY_VARIABLE, Cache
 from catoptric.addon.interface import (
     background,
     bakes,
@@ -25,7 +23,7 @@ from catoptric.addon.scene import Lighting
 from catoptric.addon.scene.archive import load
 
 from .blender_stage import state
-from .interface_stage import found, left_behind, registered, small_scene, until
+from .interface_stage import found, gone, left_behind, registered, small_scene, temporary, until
 
 KEEP_ON_KEEPING = 50
 
@@ -41,30 +39,6 @@ def saved(scene, tmp_path):
     """The same, saved as stage.blend; gives the folder it lies in."""
     bpy.ops.wm.save_as_mainfile(filepath=str(tmp_path / "stage.blend"))
     return tmp_path
-
-
-def kinds(scene):
-    account = bakes.wait_for(scene, found())
-    return {one.name: one.kind for one in account.objects}
-
-
-def temporary() -> list[Path]:
-    return list(Path(bpy.app.tempdir).glob("catoptric-*"))
-
-
-def alive(pid: int) -> bool:
-    try:
-        os.kill(pid, 0)
-    except ProcessLookupError:
-        return False
-    return Path(f"/proc/{pid}/stat").read_text().split()[2] != "Z" if Path("/proc").is_dir() else True
-
-
-def gone(pid: int, seconds: float = 20.0) -> bool:
-    end = time.monotonic() + seconds
-    while alive(pid) and time.monotonic() < end:
-        time.sleep(0.1)
-    return not alive(pid)
 
 
 # Registration
@@ -142,52 +116,7 @@ def test_what_needs_a_camera_says_so(scene):
     assert not bpy.ops.catoptric.stop.poll()
 
 
-# Layered depth textures
-
-
-def test_bakes_become_fresh_stale_and_missing(scene):
-    assert set(kinds(scene).values()) == {bakes.MISSING}
-    assert bpy.ops.catoptric.bake(name="Box") == {"FINISHED"}
-    assert kinds(scene)["Box"] == bakes.FRESH
-    assert bpy.ops.catoptric.bake() == {"FINISHED"}
-    assert set(kinds(scene).values()) == {bakes.FRESH}
-    with pytest.raises(RuntimeError, match="nothing to bake"):
-        bpy.ops.catoptric.bake()
-    scene.objects["Box"].location.x += 1.0  # under lamps, a place is part of a bake
-    bpy.context.view_layer.update()
-    account = bakes.wait_for(scene, found())
-    (box,) = (one for one in account.objects if one.name == "Box")
-    assert (box.kind, box.why) == (bakes.STALE, '"Box" has moved')
-    assert bpy.ops.catoptric.clear() == {"FINISHED"}
-    assert set(kinds(scene).values()) == {bakes.MISSING}
-
-
-def test_a_bake_is_what_is_on_disk(scene):
-    kinds(scene)
-    bpy.ops.catoptric.bake()
-    account = bakes.wait_for(scene, found())
-    assert 0 < account.size <= Cache().size()
-    assert all(abs(one.written - time.time()) < 600 for one in account.objects)
-
-
-def test_a_cache_that_cannot_be_written_is_one_line(scene, tmp_path, monkeypatch):
-    (tmp_path / "file").touch()
-    monkeypatch.setenv(DIRECTORY_VARIABLE, str(tmp_path / "file"))
-    kinds(scene)
-    with pytest.raises(RuntimeError, match="cannot write to the cache folder"):
-        bpy.ops.catoptric.bake()
-    assert work.current() is None
-
-
-def test_an_object_may_go_while_it_is_baked(scene):
-    stage = found()
-    account = bakes.wait_for(scene, stage)
-    task = operators_bake.LayersTask(scene.session_uid, account, account.instances["Box"])
-    work.begin(task)
-    bpy.data.objects.remove(scene.objects["Box"])
-    until(lambda: task.over)
-    assert task.problem == ""
-    assert "Box" not in kinds(scene)
+# Tasks
 
 
 def test_another_file_ends_what_is_under_way(scene):
@@ -266,79 +195,6 @@ def test_exports_are_written(saved):
 def test_an_export_that_cannot_be_written_is_one_line(saved):
     with pytest.raises(RuntimeError, match="there is no folder"):
         bpy.ops.catoptric.export_scene(filepath=str(saved / "nowhere" / "out.catoptric"))
-
-
-@pytest.mark.slow
-def test_light_is_baked_shown_stale_and_cleared(saved):
-    scene = bpy.context.scene
-    scene.catoptric.lighting = "cycles"
-    stage = found()
-    lights.wait()
-    assert bakes.wait_for(scene, found()).light.kind == bakes.MISSING
-    with pytest.raises(RuntimeError, match="light is missing"):
-        bpy.ops.catoptric.bake(name="Box")
-    assert bpy.ops.catoptric.bake_light() == {"FINISHED"}
-    lights.wait()
-    stage = found()
-    lit = {one.name for one in stage.shown.instances if one.lightmap is not None}
-    assert lit >= {"Box", "Crate"}
-    assert bakes.wait_for(scene, stage).light.kind == bakes.FRESH
-    bpy.ops.wm.open_mainfile(filepath=str(saved / "stage.blend"))  # it is found again
-    scene = bpy.context.scene
-    scene.catoptric.lighting = "cycles"
-    found()
-    lights.wait()
-    scene.objects["Box"].location.z += 1.0
-    bpy.context.view_layer.update()
-    light = bakes.wait_for(scene, found()).light
-    assert (light.kind, light.why) == (bakes.STALE, '"Box" has moved')
-    assert bpy.ops.catoptric.clear() == {"FINISHED"}
-    assert bakes.wait_for(scene, found()).light.kind == bakes.MISSING
-
-
-@pytest.mark.slow
-def test_baked_light_goes_with_the_file_under_any_name(saved):
-    scene = bpy.context.scene
-    scene.objects["Crate"].location.z = 0.3  # like no other test's
-    scene.catoptric.lighting = "cycles"
-    bpy.context.view_layer.update()
-    found()
-    assert bpy.ops.catoptric.bake_light() == {"FINISHED"}
-    lights.wait()
-    bpy.ops.wm.save_as_mainfile(filepath=str(saved / "elsewhere.blend"))
-    assert light_after_opening(saved / "elsewhere.blend") == (bakes.FRESH, "")
-    bpy.context.scene.objects["Box"].location.z += 1.0
-    bpy.ops.wm.save_as_mainfile(filepath=str(saved / "changed.blend"))
-    assert light_after_opening(saved / "changed.blend") == (bakes.STALE, '"Box" has moved')
-    found()
-    assert bpy.ops.catoptric.clear() == {"FINISHED"}
-    bpy.ops.wm.save_mainfile()
-    assert light_after_opening(saved / "changed.blend") == (bakes.MISSING, "never baked")
-
-
-def light_after_opening(file):
-    bpy.ops.wm.open_mainfile(filepath=str(file))
-    found()
-    lights.wait()
-    light = bakes.wait_for(bpy.context.scene, found()).light
-    return light.kind, light.why
-
-
-def test_esc_in_the_middle_of_baking_light_leaves_nothing(saved):
-    scene = bpy.context.scene
-    scene.objects["Crate"].location.y = 1.7  # like no other test's, whose light lies in the cache
-    bpy.context.view_layer.update()
-    task = operators_bake.LightTask(scene, found().found)
-    work.begin(task)
-    until(lambda: task.fraction > 0.0)
-    process = task._process
-    work.cancel()
-    until(lambda: task.over)
-    assert task.stopped
-    assert task.problem == ""
-    assert gone(process.pid)
-    until(lambda: temporary() == [])
-    assert lights.known(scene) is None
 
 
 QUIT = """

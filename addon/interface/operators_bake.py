@@ -1,6 +1,7 @@
 """Bake, bake all, clear."""
 
 from collections.abc import Iterator
+from functools import partial
 from pathlib import Path
 
 import bpy
@@ -9,12 +10,15 @@ from ..baking.layered_depth import KIND, LAYERS, RESOLUTION, each_bake
 from ..cache import Cache
 from ..drawing import Resident
 from ..errors import CatoptricError, SceneError
-from ..progress import Progress
+from ..progress import Progress, part_of
 from ..scene import Lighting, Scene
 from ..scene.archive import EXTENSION
 from . import bakes, lights, preflight, stages, work
 from .background import ProcessTask
 from .working import Working
+
+_LIGHT_S_SHARE = 0.7
+"""Of the way, where layers follow."""
 
 
 class LightTask(ProcessTask):
@@ -53,9 +57,11 @@ class LayersTask(work.GlTask):
         others = frozenset(range(len(scene.instances))) - self._wanted
         resident = Resident(scene, settings.lighting)
         try:
-            chosen = {RESOLUTION.name: self._account.resolution, LAYERS.name: settings.layers}
-            for _ in each_bake(resident, chosen, Cache(), progress, others):
-                yield
+            for number, asked in enumerate(baked := self._account.baked):
+                chosen = {RESOLUTION.name: asked.resolution, LAYERS.name: asked.layers}
+                share = part_of(progress, number / len(baked), (number + 1) / len(baked))
+                for _ in each_bake(resident, chosen, Cache(), share, others):
+                    yield
         finally:
             resident.release()
 
@@ -66,7 +72,9 @@ class CATOPTRIC_OT_bake(Working, bpy.types.Operator):
     bl_idname = "catoptric.bake"
     bl_label = "Bake"
 
-    name: bpy.props.StringProperty(name="Object", description="All objects if it is empty", options={"SKIP_SAVE"})
+    name: bpy.props.StringProperty(
+        name="Object", description="All objects, and the light, if it is empty", options={"SKIP_SAVE"}
+    )
 
     @classmethod
     def trouble(cls, context: bpy.types.Context) -> str:
@@ -74,18 +82,62 @@ class CATOPTRIC_OT_bake(Working, bpy.types.Operator):
         return "" if read_stage(context) else "Show the scene in the viewport, or press Find Reflectors, first"
 
     def task(self, context: bpy.types.Context) -> work.Task:
-        """The layers of one object, or of all that are not fresh."""
-        account = bakes.wait_for(context.scene, read_stage(context))
-        if account.light is not None and account.light.kind == bakes.MISSING:
-            raise SceneError("the light is missing, and would be in what is baked: press Bake Light first")
-        wanted = [self.name] if self.name else [state.name for state in account.objects if state.kind != bakes.FRESH]
-        missing = [name for name in wanted if name not in account.instances]
-        if missing:
-            raise SceneError(f'"{missing[0]}" needs no layered depth textures: no reflector searches it')
-        if not wanted:
-            raise SceneError("there is nothing to bake: all is fresh")
-        instances = frozenset().union(*(account.instances[name] for name in wanted))
-        return LayersTask(context.scene.session_uid, account, instances)
+        """One object, or all that is not fresh."""
+        scene, stage = context.scene, read_stage(context)
+        account = bakes.wait_for(scene, stage)
+        if self.name:
+            return _one(account, scene.session_uid, self.name)
+        if account.light is None or account.light.kind == bakes.FRESH:
+            return _all(account, scene.session_uid)
+        trouble = preflight.no_camera(scene) or preflight.no_cycles(scene)
+        if trouble:
+            raise SceneError(f"the light is {account.light.kind}, and cannot be baked: {trouble}")
+        return work.Chain("Baking", partial(_light_and_layers, scene, stage))
+
+
+def _one(account: bakes.Account, uid: int, name: str) -> LayersTask:
+    if account.light is not None and account.light.kind == bakes.MISSING:
+        raise SceneError("the light is missing, and would be in what is baked: press Bake All, or Bake Light first")
+    if name not in account.instances:
+        raise SceneError(f'"{name}" needs no layered depth textures: no reflector searches it')
+    return LayersTask(uid, account, account.instances[name])
+
+
+def _all(account: bakes.Account, uid: int) -> LayersTask:
+    wanted = unbaked(account)
+    if not wanted:
+        raise SceneError("there is nothing to bake: all is fresh")
+    return LayersTask(uid, account, wanted)
+
+
+def unbaked(account: bakes.Account) -> frozenset[int]:
+    """The instances whose bakes are not fresh."""
+    names = [state.name for state in account.objects if state.kind != bakes.FRESH]
+    return frozenset().union(*(account.instances[name] for name in names))
+
+
+def _light_and_layers(scene: bpy.types.Scene, stage: stages.Stage, chain: work.Task) -> work.Parts:
+    """The light first: it is part of what the layers show."""
+    uid = scene.session_uid
+    yield LightTask(scene, stage.found), _LIGHT_S_SHARE
+    chain.stage = "reading the light"
+    while lights.busy():
+        lights.poll()
+        yield None, _LIGHT_S_SHARE
+    stage.read()
+    while (account := bakes.current(_scene_of(uid), stage)) is None:
+        yield None, _LIGHT_S_SHARE
+    if wanted := unbaked(account):
+        yield LayersTask(uid, account, wanted), 1.0
+    chain.outcome = "All is baked"
+
+
+def _scene_of(uid: int) -> bpy.types.Scene:
+    """The scene, which undo may have put elsewhere in memory."""
+    scene = next((scene for scene in bpy.data.scenes if scene.session_uid == uid), None)
+    if scene is None:
+        raise SceneError("the scene that was being baked is gone")
+    return scene
 
 
 class CATOPTRIC_OT_bake_light(Working, bpy.types.Operator):

@@ -57,8 +57,8 @@ class CATOPTRIC_OT_export_engine(_Asking, bpy.types.Operator):
 
     def task(self, context: bpy.types.Context) -> ProcessTask:
         """As bakes are set."""
-        settings = bakes.settings_of(context.scene)
-        values = {"resolution": settings.resolution, "layers": settings.layers, CUBE_SIZE.name: CUBE_SIZE.default}
+        asked = bakes.asked_by(context.scene)
+        values = {"resolution": asked.resolution, "layers": asked.layers, CUBE_SIZE.name: CUBE_SIZE.default}
         names = [holder.name for holder in context.selected_objects if holder.type not in {"CAMERA", "LIGHT"}]
         return _Export(
             "Exporting for engines",

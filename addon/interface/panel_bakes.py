@@ -27,7 +27,9 @@ def draw_bakes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         return
     if account.light is not None:
         _draw_light(layout, context, account.light)
-    draw_text(layout, f"Layered depth textures, for {LayeredDepthPublished.name} and for export", context)
+    texels = " and ".join(str(asked.resolution) for asked in account.baked)
+    said = f"Layered depth textures of {texels} texels, for {LayeredDepthPublished.name} and for export"
+    draw_text(layout, said, context)
     column = layout.column(align=True)
     for state in account.objects[:_MOST]:
         row = column.row(align=True)
@@ -42,7 +44,7 @@ def draw_bakes(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
         column.label(text=f"and {len(account.objects) - _MOST} more")
     row = layout.row(align=True)
     todo = row.row(align=True)
-    todo.enabled = any(state.kind != bakes.FRESH for state in account.objects)
+    todo.enabled = any(state.kind != bakes.FRESH for state in account.states)
     todo.operator("catoptric.bake", text="Bake All", icon="RENDER_STILL")
     row.operator("catoptric.clear", text="Clear All", icon="TRASH")
     said = f"{size_of(account.size)} on disk; baking takes about {size_of(account.memory)} of memory"

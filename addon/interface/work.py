@@ -93,6 +93,73 @@ class GlTask(Task):
         self.stage, self.fraction = stage, fraction
 
 
+Parts = Iterator[tuple[Task | None, float]]
+"""Tasks, each with the fraction of the whole that is done after it; None asks to be called again soon."""
+
+
+class Chain(Task):
+    """Tasks one after the other, as one. What a finished one has made is kept, whatever becomes of the rest."""
+
+    def __init__(self, label: str, parts: Callable[[Task], Parts]) -> None:
+        """`parts` is a generator, on the main thread, that is given this task; it may raise a `CatoptricError`."""
+        super().__init__(label)
+        self._parts = parts(self)
+        self._part: Task | None = None
+        self._span = 0.0, 0.0
+
+    def start(self) -> None:
+        """Begin the first part."""
+        self._go_on()
+
+    def look(self) -> bool:
+        """Look after the part under way; begin the next one after it."""
+        try:
+            return self._look()
+        except CatoptricError as problem:
+            self.problem = str(problem)
+            return True
+
+    def stop(self) -> None:
+        """Stop the part under way; none follows."""
+        super().stop()
+        if self._part is not None:
+            self._part.stop()
+
+    def drop(self) -> None:
+        """Drop what is under way."""
+        if self._part is not None:
+            self._part.drop()
+        self._parts.close()
+
+    def _look(self) -> bool:
+        if self._part is None:
+            return self.stopped or self._go_on()
+        part, (start, end) = self._part, self._span
+        ended = part.look()
+        self.stage, self.fraction = part.stage, start + (end - start) * part.fraction
+        if not ended:
+            return False
+        self.stopped, self.problem = self.stopped or part.stopped, part.problem
+        self.notes += part.notes
+        if self.stopped or self.problem:
+            return True
+        part.finish()
+        part.over, self._part = True, None
+        part.drop()
+        return self._go_on()
+
+    def _go_on(self) -> bool:
+        """Begin the next part, or wait for it; whether there is none."""
+        following = next(self._parts, None)
+        if following is None:
+            return True
+        part, end = following
+        if part is not None:
+            self._part, self._span = part, (self._span[1], end)
+            part.start()
+        return False
+
+
 _ENDED = object()
 _current: Task | None = None
 _last = ""
