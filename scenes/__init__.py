@@ -16,6 +16,7 @@ SCENES: tuple[str, ...] = (
     "mirror-torus",
     "mirror-room",
     "cathedral",
+    "mirror-hall",
 )
 
 

@@ -61,10 +61,10 @@ def _lines(ends: int) -> list[float]:
 def _arcades(stone, wall) -> None:
     """Piers, the arches between them and the wall above, with a shaft that carries the vault over each pier."""
     span, rise, top = BAY - 0.8, 2.35, SPRINGING + RISE + 0.3
-    moulding = masonry.arch(span + 0.1, rise + 0.05, PIER, 0.34, 0.18, 8)
+    moulding = masonry.arch(span + 0.1, rise + 0.05, PIER, 0.34, 0.18, 8, walled=True)
     above = masonry.wall_over_arch(span + 0.2, rise + 0.1, PIER, BAY, top, 8)
     behind = above.turned(shapes.turn("Z", 180.0)).moved((0.0, 0.24, 0.0))
-    course = shapes.box((BAY, 0.16, 0.14)).textured(masonry.STONE).moved((0.0, -0.28, SPRINGING - 0.2))
+    course = masonry.course(BAY, 0.12, 0.14).moved((0.0, -0.24, SPRINGING - 0.13))
     pier, shaft = masonry.pier(PIER), masonry.shaft(PIER + 0.1, SPRINGING)
     for sign, turned in _sides():
         name, x = ("left", "right")[sign > 0], sign * NAVE / 2
@@ -88,10 +88,10 @@ def _aisles(stone, wall, vault) -> None:
     rise, depth = 2.2, AISLE - 0.24
     webs = masonry.vault(depth, BAY, PIER, rise, 3).textured(1.8)
     ribs = masonry.ribs(depth, BAY, PIER, rise, 4)
-    across = masonry.arch(depth, rise, PIER, 0.16, 0.16, 6)
+    across = masonry.arch(depth, rise, PIER, 0.16, 0.16, 5)
     panel = shapes.rectangle(BAY, PIER + rise + 0.3).turned(shapes.turn("X", 90.0))
     panel = panel.moved((0.0, 0.0, (PIER + rise + 0.3) / 2)).textured(masonry.STONE)
-    plinth = shapes.box((BAY, 0.24, 0.5)).textured(masonry.STONE).moved((0.0, -0.06, -masonry.SUNK))
+    plinth = masonry.course(BAY, 0.16, 0.5).moved((0.0, 0.0, 0.25 - masonry.SUNK))
     shaft = masonry.shaft(0.42, PIER)
     for sign, turned in _sides():
         name, middle = ("left", "right")[sign > 0], sign * (NAVE / 2 + 0.24 + depth / 2)
@@ -146,9 +146,9 @@ def _altar(stone) -> None:
     flame, wax = stage.glowing("Flame", "#ffc56a", 6.0), stage.matte("Wax", "#f2e6c8")
     steps = [
         (shapes.box((5.2, 2.6, 0.17)).moved((0, 0, -masonry.SUNK)), stone),
-        (shapes.box((4.0, 1.9, 0.17)).moved((0, 0.2, 0.15)), stone),
+        (shapes.box((4.0, 1.9, 0.17)).moved((0, 0.2, 0.14)), stone),
     ]
-    block = [(shapes.box((2.4, 0.9, 0.95)).moved((0, 0.3, 0.31)), stone)]
+    block = [(shapes.box((2.4, 0.9, 0.95)).moved((0, 0.3, 0.3)), stone)]
     cloth = [(shapes.box((2.6, 0.96, 0.06)).moved((0, 0.3, 1.255)), linen)]
     front = [(shapes.box((0.9, 0.02, 0.75)).moved((0, -0.165, 0.5)), gold)]
     parts = [(shape.textured(masonry.STONE), material) for shape, material in (*steps, *block, *cloth, *front)]

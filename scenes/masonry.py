@@ -8,7 +8,7 @@ import numpy as np
 from .shapes import Shape, box, disc, joined, lathe, pointed_arch, sheet, sweep, turn
 
 SUNK = 0.02
-PIER_SIDES = 24
+PIER_SIDES = 32
 STONE = 1.6  # metres in which the stones' texture repeats
 
 
@@ -54,8 +54,8 @@ def vault(width: float, depth: float, springing: float, rise: float, steps: int)
         for mirrored in (1, -1):
             x = np.stack([sign * out * width / 2, mirrored * out * along * depth / 2, level], axis=-1)
             y = np.stack([mirrored * out * along * width / 2, sign * out * depth / 2, level], axis=-1)
-            webs += [x if sign * mirrored < 0 else x[:, ::-1], y if sign * mirrored > 0 else y[:, ::-1]]
-    return joined([sheet(web[::-1, ::-1]) for web in webs])
+            webs += [x if sign * mirrored > 0 else x[:, ::-1], y if sign * mirrored < 0 else y[:, ::-1]]
+    return joined([sheet(web) for web in webs])
 
 
 def ribs(width: float, depth: float, springing: float, rise: float, steps: int) -> Shape:
@@ -67,24 +67,38 @@ def ribs(width: float, depth: float, springing: float, rise: float, steps: int) 
     for sign in (1, -1):
         line = direction * (1.0, sign, 1.0)
         path = arch[:, :1] * (length / width) * line + arch[:, 1:] * (0.0, 0.0, 1.0) + (0.0, 0.0, springing)
-        parts.append(sweep(path, ROLL, np.cross(line, (0.0, 0.0, 1.0))))
+        parts.append(sweep(path, ROLL, np.cross((0.0, 0.0, 1.0), line)))
     boss = lathe([(0.0, -0.16), (0.2, -0.1), (0.26, 0.04), (0.0, 0.1)], 10).moved((0.0, 0.0, springing + rise - 0.08))
     return joined([*parts, boss]).textured(STONE)
 
 
 def _roll(width: float, depth: float) -> np.ndarray:
-    """The cross-section of a rib or a frame: a moulding, open where it lies in the web or in the wall."""
+    """The cross-section of a rib: a moulding, open where it lies in the web or the wall above."""
     return np.array([(-1, 0.4), (-1, -0.4), (-0.45, -1), (0.45, -1), (1, -0.4), (1, 0.4)]) * (width, depth)
 
 
 ROLL = _roll(0.12, 0.14)
 
 
-def arch(span: float, rise: float, springing: float, width: float, depth: float, steps: int) -> Shape:
-    """An arch in the plane y = 0, `width` of half its thickness along Y and `depth` of its stones."""
+def arch(
+    span: float, rise: float, springing: float, width: float, depth: float, steps: int, walled: bool = False
+) -> Shape:
+    """An arch in the plane y = 0, `width` half its thickness along Y, `depth` that of its stones.
+
+    Its back is open, for webs cover it; `walled`, it reaches back into a thinner wall above it.
+    """
     line = pointed_arch(span, rise, steps)
     path = np.stack([line[:, 0], 0.0 * line[:, 0], line[:, 1] + springing], axis=-1)
-    return sweep(path, _roll(width, depth), (0.0, -1.0, 0.0)).textured(STONE)
+    back = np.array([(0.6, 0.55)]) * (width, depth)  # into the wall that the arch stands proud of
+    profile = np.concatenate([back * (-1, 1), _roll(width, depth), back]) if walled else _roll(width, depth)
+    return sweep(path, profile, (0.0, 1.0, 0.0)).textured(STONE)
+
+
+def course(length: float, depth: float, height: float) -> Shape:
+    """A band of stones along X on a wall in y = 0 that faces -Y, its middle at z = 0; without ends."""
+    half = height / 2.0
+    path = np.array([(-length / 2, 0.0, 0.0), (length / 2, 0.0, 0.0)])
+    return sweep(path, [(0, -half), (depth, -half), (depth, half), (0, half)], (0.0, -1.0, 0.0)).textured(STONE)
 
 
 def wall_over_arch(span: float, rise: float, springing: float, width: float, top: float, steps: int) -> Shape:
@@ -112,16 +126,21 @@ def tracery(width: float, sill: float, springing: float, rise: float, steps: int
     line = pointed_arch(width, rise, steps)
     feet = np.array([[-width / 2, sill - springing], [width / 2, sill - springing]])
     outline = np.concatenate([feet[:1], line, feet[1:]]) + (0.0, springing)
-    frame = sweep(_upright(outline), _roll(0.13, 0.12), (0.0, -1.0, 0.0))
-    ledge = box((width + 0.5, 0.36, 0.14)).moved((0.0, 0.0, sill - 0.14))
-    mullion = box((0.09, 0.12, springing - sill - 0.1)).moved((0.0, -0.02, sill))
+    frame = sweep(_upright(outline), _moulding(0.13, 0.14), (0.0, -1.0, 0.0))
+    ledge = box((width + 0.3, 0.36, 0.14)).moved((0.0, 0.0, sill - 0.14))
+    mullion = box((0.09, 0.15, springing - sill + 0.1)).moved((0.0, -0.035, sill - 0.05))
     small = pointed_arch(width / 2, width * 0.36, max(steps // 2, 2)) + (0.0, springing - 0.15)
     arches = [sweep(_upright(small + (sign * width / 4, 0.0)), _BAR, (0.0, -1.0, 0.0)) for sign in (-1, 1)]
     ring = _ring(width * 0.17, 12).moved((0.0, 0.0, springing + rise * 0.56))
     return joined([frame, ledge, mullion, *arches, ring]).textured(STONE)
 
 
-_BAR = np.array([(-0.02, 0.05), (0.06, 0.02), (0.06, -0.02), (-0.02, -0.05)])
+def _moulding(width: float, depth: float) -> np.ndarray:
+    """The cross-section of a frame, open where it lies on the wall, `width` to either side."""
+    return np.array([(-0.02, -width), (depth, -0.6 * width), (depth, 0.6 * width), (-0.02, width)])
+
+
+_BAR = _moulding(0.05, 0.06)
 
 
 def _upright(line: np.ndarray) -> np.ndarray:
@@ -142,7 +161,7 @@ def rose_pane(radius: float, segments: int) -> Shape:
 
 def rose_tracery(radius: float, petals: int) -> Shape:
     """The stones of that window: two rings, spokes between them, and a small ring at the end of each petal."""
-    parts = [_ring(radius, 2 * petals, _roll(0.22, 0.16)), _ring(radius * 0.3, petals)]
+    parts = [_ring(radius, 2 * petals, _moulding(0.2, 0.22)), _ring(radius * 0.3, petals)]
     for number in range(petals):
         around = turn("Y", 360.0 * (number + 0.5) / petals)
         spoke = box((0.08, 0.1, radius * 0.68)).moved((0.0, 0.0, radius * 0.31))

@@ -6,7 +6,7 @@ number); ours has 136 and is. The others have the paper's number to the triangle
 
 import numpy as np
 
-from .shapes import Shape, joined, lathe, soup, sphere, through, torus, tube
+from .shapes import Shape, joined, lathe, soup, sphere, through, torus, tube, turn
 
 
 def hollow_box(size: float, wall: float, opening: float) -> Shape:
@@ -137,6 +137,29 @@ def dancer() -> Shape:
         parts.append(torus(0.1, 0.03, 24, 12).moved((0.09 * side, 0, 1.06)))
     crown = [(0, 0), (0.14, 0.0), (0.15, 0.05), (0.1, 0.1), (0.11, 0.15), (0.06, 0.22), (0.05, 0.3), (0, 0.36)]
     parts += [sphere(1.0, 24, 16).moved((0, -0.03, 1.85), (0.12, 0.13, 0.155)), lathe(crown, 24).moved((0, 0, 1.94))]
+    return joined(parts)
+
+
+def ballerina() -> Shape:
+    """A dancer in arabesque on the tip of one foot: overlapping closed parts, 1.6 m high, leaning to +X."""
+    parts = _limb([(0, 0, 0), (0.0, 0, 0.12), (0.03, 0, 0.45), (0.0, 0, 0.86)], (0.018, 0.03, 0.048, 0.075))
+    parts += _limb(
+        [(0.0, 0, 0.86), (-0.26, 0.02, 0.93), (-0.5, 0.03, 1.06), (-0.72, 0.04, 1.17)], (0.08, 0.06, 0.04, 0.015)
+    )
+    parts += _limb([(0.0, 0, 0.88), (0.05, 0, 1.02), (0.12, 0, 1.18), (0.15, 0, 1.27)], (0.09, 0.068, 0.085, 0.03))
+    parts += _limb([(0.15, 0, 1.25), (0.17, 0, 1.34)], (0.032, 0.028))
+    parts += _limb([(0.14, 0.08, 1.22), (0.34, 0.12, 1.33), (0.56, 0.08, 1.46)], (0.035, 0.025, 0.012))
+    parts += _limb([(0.13, -0.08, 1.22), (0.2, -0.3, 1.24), (0.16, -0.52, 1.3)], (0.035, 0.025, 0.012))
+    skirt = [(0.07, 0.04), (0.2, 0.03), (0.34, -0.01), (0.35, -0.025), (0.2, 0.0), (0.07, -0.03), (0.07, 0.04)]
+    tutu = lathe(skirt[::-1], 48)
+    ruffle = 1.0 + 0.06 * np.sin(12.0 * np.arctan2(tutu.points[:, 1], tutu.points[:, 0]))
+    tutu = Shape(tutu.points * np.stack([ruffle, ruffle, np.ones_like(ruffle)], axis=-1), tutu.faces, tutu.uvs)
+    tilt = turn("Y", 18.0)
+    parts.append(tutu.turned(tilt).moved((0.02, 0.0, 0.93)))
+    parts += [
+        sphere(1.0, 24, 16).moved((0.19, 0, 1.42), (0.075, 0.065, 0.09)),
+        sphere(0.035, 16, 10).moved((0.12, 0, 1.49)),
+    ]
     return joined(parts)
 
 

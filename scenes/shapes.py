@@ -130,6 +130,54 @@ def rectangle(width: float, depth: float, repeat: float | None = None) -> Shape:
     return sheet(np.array([[(-x, -y, 0.0), (x, -y, 0.0)], [(-x, y, 0.0), (x, y, 0.0)]]), times)
 
 
+def pane(outline: np.ndarray, hole: np.ndarray | None = None) -> Shape:
+    """A flat pane in y = 0, facing -Y: (N, 2) corners of X and Z, counter-clockwise as seen; convex.
+
+    With a `hole`, N corners too, each seen from the pane's middle just where the outline's is. The
+    texture shows once over the outline's own box.
+    """
+    outline = np.asarray(outline, dtype=np.float64)
+    low, size = outline.min(axis=0), np.ptp(outline, axis=0)
+    inner = np.broadcast_to(outline.mean(axis=0), outline.shape) if hole is None else np.asarray(hole)
+    flat = np.stack([outline, inner])
+    shape = sheet(np.insert(np.concatenate([flat, flat[:, :1]], axis=1), 1, 0.0, axis=2))
+    corners = shape.points[np.maximum(shape.faces, 0)]
+    return Shape(shape.points, shape.faces, (corners[..., [0, 2]] - low) / size)
+
+
+def ellipse(width: float, height: float, count: int) -> np.ndarray:
+    """(count, 2) corners of an ellipse about the origin, counter-clockwise."""
+    angle = np.arange(count) * 2.0 * np.pi / count
+    return np.stack([np.cos(angle) * width / 2, np.sin(angle) * height / 2], axis=-1)
+
+
+def framed(hole: np.ndarray, width: float, height: float) -> tuple[np.ndarray, np.ndarray]:
+    """A rectangle about the origin, and a convex `hole` (N, 2) round it, cornered alike: both (N + 4, 2)."""
+
+    def angle(points):
+        return np.arctan2(points[..., 1], points[..., 0])
+
+    corners = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)]) * (width / 2, height / 2)
+    order = np.argsort(angle(hole))
+    ring = hole[order]
+    extra = np.stack([_towards(ring, angle(corner)) for corner in corners])
+    both = np.concatenate([ring, extra])
+    both = both[np.argsort(angle(both))]
+    out = np.min(np.array([width, height]) / 2 / np.maximum(np.abs(both), 1e-12), axis=1, keepdims=True)
+    return both * out, both
+
+
+def _towards(ring: np.ndarray, angle: float) -> np.ndarray:
+    """Where the ray at `angle` from the origin crosses a convex ring (N, 2)."""
+    start, end = ring, np.roll(ring, -1, axis=0)
+    ray = np.array([np.cos(angle), np.sin(angle)])
+    along = end - start
+    across = along[:, 0] * ray[1] - along[:, 1] * ray[0]
+    share = (start[:, 1] * ray[0] - start[:, 0] * ray[1]) / across
+    points = start + share[:, None] * along
+    return points[(share >= 0.0) & (share < 1.0) & (points @ ray > 0.0)][0]
+
+
 def disc(radius: float, segments: int, repeat: float) -> Shape:
     """A round floor in z = 0, facing up, its texture repeating every `repeat` metres."""
     shape = lathe([(radius, 0.0), (0.0, 0.0)], segments)

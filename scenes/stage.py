@@ -30,6 +30,11 @@ def clear() -> None:
     scene.cycles.seed = 0
 
 
+def bounces(count: int) -> None:
+    """Cycles' glossy bounces: a path is mirrored at most `count` + 1 times."""
+    bpy.context.scene.cycles.glossy_bounces = count
+
+
 def save(path: Path) -> None:
     """Save the file, compressed, at `path`: written beside it first, so that an old one stays whole."""
     bpy.data.orphans_purge(do_recursive=True)

@@ -88,3 +88,61 @@ def rose_glass(petals: int, size: int = 384) -> np.ndarray:
     leads = (pane != np.roll(pane, 1, 0)) | (pane != np.roll(pane, 1, 1))
     picture = picture * (0.75 + 0.4 * noise((size, size), 1.0, 51))[..., None]
     return np.clip(np.where(leads[..., None], color("#15120f"), picture), 0.0, 1.0)
+
+
+def gilding(size: int = 128) -> np.ndarray:
+    """The gilt moulding of a frame: u runs across it, from lip to lip, v along, one egg and one dart. Repeats."""
+    x, y = texels(size)
+    relief = 0.62 + 0.38 * np.sin(np.pi * (x * 5.0 + 0.3)) ** 2
+    egg = np.hypot((x - 0.5) / 0.2, (y - 0.5) / 0.34)
+    bead = np.hypot((x - 0.84) / 0.05, ((y * 4) % 1 - 0.5) / 0.4)
+    relief = np.where(egg < 1, 1.05 - 0.4 * egg**2, relief) * np.where((egg > 1) & (egg < 1.3), 0.6, 1.0)
+    relief = np.where(bead < 1, 1.1 - 0.5 * bead**2, relief)
+    tone = color("#6b4312") + np.clip(relief - 0.35, 0, 1)[..., None] * 1.35 * (color("#e6b84f") - color("#6b4312"))
+    return np.clip(tone * (0.85 + 0.15 * noise((size, size), 0.8, 61)[..., None]), 0.0, 1.0)
+
+
+def damask(ground: str, figure: str, size: int = 384) -> np.ndarray:
+    """Wallpaper: pointed leaves in an ogee net, in staggered rows. Repeats."""
+    x, y = texels(size)
+    waves = 0.25 + 0.19 * np.cos(2 * np.pi * y)
+    net = np.minimum(abs(abs(x - 0.5) - waves), abs(0.5 - abs(x - 0.5) - (0.5 - waves)))
+    picture = np.broadcast_to(color(ground), (size, size, 3))
+    for shift in (0.0, 0.5):
+        u, v = (x + shift) % 1 - 0.5, (y + shift) % 1 - 0.5
+        far, angle = np.hypot(u * 1.5, v), np.arctan2(v, u * 1.5)
+        leaf = far - 0.2 * (0.55 + 0.3 * np.cos(2 * angle + np.pi) + 0.2 * np.abs(np.cos(4 * angle)))
+        picture = paint(picture, 0.9 * cover(leaf, size), figure)
+        picture = paint(picture, cover(abs(leaf + 0.035) - 0.005, size), ground)
+        picture = paint(picture, cover(far - 0.035, size), ground)
+    picture = paint(picture, 0.7 * cover(net - 0.009, size), figure)
+    return picture * (0.92 + 0.08 * noise((size, size), 0.3, 62)[..., None])
+
+
+def delft(size: int = 384) -> np.ndarray:
+    """The glaze of a vase: blue bands, arches and flowers on white; u runs round it. Repeats along u."""
+    x, y = texels(size)
+    picture = np.broadcast_to(color("#f1f0ea"), (size, size, 3))
+    blue, deep = "#3f66b0", "#1f3a80"
+    for low, high in ((0.05, 0.08), (0.3, 0.315), (0.7, 0.72), (0.9, 0.93)):
+        picture = paint(picture, cover(abs(y - (low + high) / 2) - (high - low) / 2, size), deep)
+    u = x * 6 % 1 - 0.5
+    far, angle = np.hypot(u, (y - 0.5) * 4.5), np.arctan2((y - 0.5) * 4.5, u)
+    picture = paint(picture, cover((far - 0.36 * (0.7 + 0.3 * np.cos(7 * angle))) / 8, size), blue)
+    picture = paint(picture, cover((far - 0.15) / 8, size), "#f1f0ea")
+    picture = paint(picture, cover((far - 0.09) / 8, size), deep)
+    scallop = np.hypot((x * 18 % 1 - 0.5) / 18, (y - 0.32) / 2.2) - 0.022
+    picture = paint(picture, cover(np.maximum(scallop, 0.315 - y), size), blue)
+    scallop = np.hypot((x * 18 % 1 - 0.5) / 18, (y - 0.7) / 2.2) - 0.022
+    picture = paint(picture, cover(np.maximum(scallop, y - 0.7), size), blue)
+    return picture * (0.94 + 0.06 * noise((size, size), 1.2, 63)[..., None])
+
+
+def marble(code: str, vein: str, size: int = 384, seed: int = 71) -> np.ndarray:
+    """A slab of veined stone. Repeats."""
+    veins = sum(
+        weight * np.clip(1.0 - abs(2.0 * noise((size, size), 1.8, seed + i) - 1.0) / width, 0.0, 1.0)
+        for i, (weight, width) in enumerate(((0.7, 0.035), (0.45, 0.02)))
+    )
+    picture = color(code) * (0.86 + 0.14 * noise((size, size), 1.4, seed + 5))[..., None]
+    return np.clip(paint(picture, np.clip(veins, 0, 1)[..., None], vein), 0.0, 1.0)

@@ -29,10 +29,11 @@ EULER = {"Hollow box": -4, "Knotty cup": 0, "Genus3": -4, "Beach ball": 2}
 # The flat reflectors of the scenes of planar mirrors, by object.
 FLAT = {
     "cathedral": {"Floor"},
+    "mirror-hall": {"Mirror left", "Mirror right", "Standing mirror"},
 }
 CURVED_ALONE = [name for name in SCENES if name not in FLAT]
 TRIANGLES = {"cathedral": (40_250 * 0.99, 40_250 * 1.01)}  # of glossy-planar-reflections.txt, section 5
-GLOSSY_BOUNCES = {}
+GLOSSY_BOUNCES = {"mirror-hall": 2}
 PLANE = 1e-6  # metres: how flat a flat reflector is, what single precision gives at these sizes
 KNOWN_NODES = {"OUTPUT_MATERIAL", "BSDF_PRINCIPLED", "TEX_IMAGE", "OUTPUT_WORLD", "BACKGROUND", "TEX_ENVIRONMENT"}
 
@@ -255,6 +256,16 @@ def test_no_two_objects_fight_for_a_pixel(name: str) -> None:
 
 
 @pytest.mark.parametrize("name", FLAT)
+def test_faces_show_their_outside(name: str) -> None:
+    scene = opened(name)
+    shown = trimesh.util.concatenate([evaluated(thing) for thing in meshes()])
+    origins, directions = camera_rays(scene, 192, 128)
+    first = shown.ray.intersects_first(origins, directions)
+    away = np.einsum("ri,ri->r", shown.face_normals[first], directions) > 0.0
+    assert np.mean(away & (first >= 0)) < 0.0005
+
+
+@pytest.mark.parametrize("name", FLAT)
 def test_extraction_takes_all_of_a_scene(name: str) -> None:
     scene = extract(opened(name))
     assert scene.warnings == ()
@@ -277,6 +288,29 @@ def test_the_roughness_of_the_cathedrals_floor_is_one_value() -> None:
     roughness.default_value = 0.3
     scene = extract(bpy.context.scene)
     assert [scene.instances[index].name for index in scene.reflectors] == ["Floor"]
+
+
+def outline_loops(corners: np.ndarray) -> int:
+    """How many closed borders a patch of triangles (T, 3, 3) has."""
+    mesh = trimesh.Trimesh(corners.reshape(-1, 3), np.arange(3 * len(corners)).reshape(-1, 3))
+    mesh.merge_vertices(merge_tex=True, merge_norm=True)
+    once = mesh.edges_sorted[trimesh.grouping.group_rows(mesh.edges_sorted, require_count=1)]
+    return len(trimesh.graph.connected_components(once, min_len=3))
+
+
+def test_the_mirrors_of_the_hall_face_each_other_and_one_has_a_hole() -> None:
+    mirrors = flat_reflectors("mirror-hall")
+    normals = {}
+    for name, corners in mirrors.items():
+        cross = np.cross(corners[0, 1] - corners[0, 0], corners[0, 2] - corners[0, 0])
+        normals[name] = cross / np.linalg.norm(cross)
+    assert normals["Mirror left"] @ normals["Mirror right"] == pytest.approx(-1.0, abs=1e-6)
+    assert 0.1 < abs(normals["Standing mirror"] @ normals["Mirror left"]) < 0.9
+    assert {name: outline_loops(corners) for name, corners in mirrors.items()} == {
+        "Mirror left": 1,
+        "Mirror right": 2,
+        "Standing mirror": 1,
+    }
 
 
 def test_the_hollow_box_touches_the_ball() -> None:
