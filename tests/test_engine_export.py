@@ -365,3 +365,10 @@ def test_a_selection_that_cannot_be_exported_is_one_line(tmp_path):
     with pytest.raises(MachineError, match="cannot make the folder"):
         exported(scene, tmp_path / "file" / "below")
     assert [path.name for path in tmp_path.iterdir()] == ["file"]
+
+
+def test_the_glsl_may_go_into_any_game_and_nothing_else_says_so(tmp_path, root):
+    assert "// SPDX-License-Identifier: 0BSD" in exported(beside_ball(), tmp_path, resolution=16).glsl.splitlines()
+    free = [path for path in root.glob("gpu_shaders/**/*") if path.is_file() and "0BSD" in path.read_text()]
+    assert [path.name for path in free] == ["catoptric.glsl"]
+    assert "for any\npurpose with or without fee" in (root / "LICENSES" / "0BSD.txt").read_text()

@@ -1,3 +1,6 @@
+// SPDX-FileCopyrightText: 2026 The Catoptric authors
+// SPDX-License-Identifier: 0BSD
+//
 // Reflections from what `catoptric export-engine` wrote. Paste this below `#version 330 core` or later; it
 // needs nothing else. catoptric.json beside it names the textures and holds the numbers.
 //
