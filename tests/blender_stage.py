@@ -152,7 +152,7 @@ def matte(name, color):
 
 
 def chrome(name, color=(1.0, 1.0, 1.0)):
-    return Material(name, ColorSource(color), 0.0, BLACK, ColorSource(color), fresnel=Fresnel.SCHLICK, roughness=0.0)
+    return Material(name, ColorSource(color), 0.0, BLACK, ColorSource(color), fresnel=Fresnel.SCHLICK, roughness=BLACK)
 
 
 def state() -> dict:

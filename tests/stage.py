@@ -4,11 +4,11 @@ from dataclasses import dataclass
 
 import numpy as np
 import trimesh
-from catoptric.addon.scene import Camera, ColorSource, Fresnel, Instance, Material, Mesh, Scene, World
+from catoptric.addon.scene import BLACK, Camera, ColorSource, Fresnel, Instance, Material, Mesh, Scene, World
 from trimesh.ray.ray_pyembree import RayMeshIntersector
 
 CHROME = Material(
-    "chrome", diffuse=0.0, reflection=ColorSource((1.0, 1.0, 1.0)), fresnel=Fresnel.CONSTANT, roughness=0.0
+    "chrome", diffuse=0.0, reflection=ColorSource((1.0, 1.0, 1.0)), fresnel=Fresnel.CONSTANT, roughness=BLACK
 )
 
 

@@ -54,7 +54,7 @@ SOURCES = st.builds(
     st.booleans(),
 )
 MATERIALS = st.builds(
-    contract.Material, NAME, SOURCES, FINITE, SOURCES, SOURCES, st.sampled_from(contract.Fresnel), FINITE, FINITE
+    contract.Material, NAME, SOURCES, FINITE, SOURCES, SOURCES, st.sampled_from(contract.Fresnel), FINITE, SOURCES
 )
 MATRICES = arrays((4, 4), np.float64)
 CAMERAS = st.builds(
@@ -200,6 +200,16 @@ def test_no_single_flipped_byte_gives_a_traceback(saved):
     assert refused > len(content) // 7 // 3
 
 
+def test_a_file_of_version_1_has_one_number_for_roughness(saved):
+    def age(description):
+        description["version"] = 1
+        for material in description["scene"]["materials"]:
+            material["roughness"] = 0.25
+
+    rewritten(saved, age)
+    assert archive.load(saved).materials[0].roughness == contract.ColorSource((0.25, 0.25, 0.25))
+
+
 def test_a_newer_file_says_to_update(saved):
     rewritten(saved, lambda description: description.update(version=archive.VERSION + 1))
     assert_refused(saved, "newer Catoptric")
@@ -212,7 +222,7 @@ def test_a_newer_file_says_to_update(saved):
         lambda scene: scene["instances"][0].update(mesh=-1),
         lambda scene: scene["instances"][0].update(materials=[]),
         lambda scene: scene["materials"][0]["base"].update(image=0),
-        lambda scene: scene["materials"][0].update(roughness="rough"),
+        lambda scene: scene["materials"][0].update(ior="glass"),
         lambda scene: scene["materials"][0].update(fresnel=99),
         lambda scene: scene["materials"][0].update(unheard=1),
         lambda scene: scene.pop("camera"),

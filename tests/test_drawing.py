@@ -173,7 +173,7 @@ def test_environment_map_is_exact_far_away():
 )
 def test_fresnel_of_a_mirror_under_a_white_sky(fresnel, expected):
     mirror = Material(
-        "m", diffuse=0.0, base=BLACK, reflection=ColorSource((0.4, 0.4, 0.4)), fresnel=fresnel, roughness=0.0
+        "m", diffuse=0.0, base=BLACK, reflection=ColorSource((0.4, 0.4, 0.4)), fresnel=fresnel, roughness=BLACK
     )
     plane = mesh_of(trimesh.Trimesh([[-90, -90, 0], [90, -90, 0], [90, 90, 0], [-90, 90, 0]], [[0, 1, 2], [0, 2, 3]]))
     camera = looking((0, -3, 2), (0, 1, 0), lens=20)

@@ -73,7 +73,7 @@ def test_a_metal(shader):
     material, found = shader.read()
     assert material.reflection.color == near((0.9, 0.6, 0.3))
     assert material.fresnel is Fresnel.SCHLICK
-    assert (material.diffuse, material.roughness) == (0.0, near(0.1))
+    assert (material.diffuse, material.roughness.color[0]) == (0.0, near(0.1))
     assert found.reflectors == (0,)
 
 
@@ -158,7 +158,7 @@ def test_a_fresnel_mix_is_a_dielectric(shader, kind, inputs, ior):
     shader.link(shader.add(kind, **inputs), mix.inputs[0])
     material, found = shader.read()
     assert material.fresnel is Fresnel.DIELECTRIC
-    assert (material.ior, material.diffuse, material.roughness) == (near(ior), 1.0, near(0.05))
+    assert (material.ior, material.diffuse, material.roughness.color[0]) == (near(ior), 1.0, near(0.05))
     assert found.reflectors == (0,)
     assert not found.warnings
 
@@ -237,18 +237,20 @@ def test_a_cut_out_is_drawn_opaque(shader):
     assert "opaque" in found.warnings[0]
 
 
-def test_textured_roughness_is_averaged(shader):
+@pytest.mark.parametrize(("brightest", "mirrors"), [(0.3, True), (0.6, False)])
+def test_roughness_is_read_from_an_image_and_its_average_says_what_mirrors(shader, brightest, mirrors):
     principled = shader.link(shader.add("BsdfPrincipled", Metallic=1.0))
     image = bpy.data.images.new("Scratches", 2, 1)
     image.colorspace_settings.name = "Non-Color"
-    image.pixels.foreach_set(np.array([0, 0, 0, 1, 0.4, 0.4, 0.4, 1], np.float32))
+    image.pixels.foreach_set(np.array([0, 0, 0, 1, *(brightest,) * 3, 1], np.float32))
     texture = shader.add("TexImage")
     texture.image = image
     shader.link(texture, principled.inputs["Roughness"])
     material, found = shader.read()
-    assert material.roughness == pytest.approx(0.2, abs=0.002)
-    assert len(found.warnings) == 1
-    assert "average" in found.warnings[0]
+    assert material.roughness.color == (1.0, 1.0, 1.0)
+    assert found.images[material.roughness.image].name == "Scratches"
+    assert found.reflectors == ((0,) if mirrors else ())
+    assert not found.warnings
 
 
 def test_bump_and_displacement_are_named(shader):
@@ -270,7 +272,7 @@ def test_constants_are_computed(shader):
     mix.inputs[6].default_value, mix.inputs[7].default_value = (1, 0, 0, 1), (0, 1, 0, 1)
     shader.link(mix, principled.inputs["Base Color"], output=2)
     material, found = shader.read()
-    assert material.roughness == near(0.125)
+    assert material.roughness.color == near((0.125,) * 3)
     assert material.base.color == near((0.75, 0.25, 0.0))
     assert not found.warnings
 

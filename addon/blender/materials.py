@@ -60,7 +60,7 @@ class MaterialReader:
         surface = self._surface(material, where)
         clear = is_clear_mirror(surface)
         glossy = clear or forced or surface.fresnel is not Fresnel.DIELECTRIC
-        paints = (surface.base, surface.emission, surface.reflection)
+        paints = (surface.base, surface.emission, surface.reflection, surface.grain)
         lookup = self._agreed(where, "texture coordinates", [p.texture.lookup for p in paints if p.texture], Lookup())
         attribute = self._agreed(where, "attributes", [p.attribute for p in paints if p.attribute is not None], None)
         result = Material(
@@ -71,7 +71,7 @@ class MaterialReader:
             reflection=self._color(surface.reflection) if glossy else BLACK,
             fresnel=surface.fresnel,
             ior=surface.ior,
-            roughness=surface.roughness,
+            roughness=self._color(surface.grain),
         )
         self.materials.append(result)
         return Slot(len(self.materials) - 1, lookup, attribute, clear, not surface.reflection.black)

@@ -17,7 +17,8 @@ _GRAZING = 1e-5
 class Surface:
     """A `Material` whose colours are still Blender's.
 
-    `base` times `diffuse` is scattered, `emission` given off, `reflection` mirrored.
+    `base` times `diffuse` is scattered, `emission` given off, `reflection` mirrored. `roughness` is the average of
+    `grain`, which is roughness where it varies.
     """
 
     base: Paint = BLACK_PAINT
@@ -27,6 +28,7 @@ class Surface:
     fresnel: Fresnel = Fresnel.CONSTANT
     ior: float = 1.5
     roughness: float = 0.0
+    grain: Paint = BLACK_PAINT
 
     def times(self, weight: float) -> "Surface":
         """The surface with a share of its strength."""
@@ -102,10 +104,19 @@ class SurfaceReader:
 
     def _glossy(self, found: Source, color_name: str = "Color") -> Surface:
         color = self._paint(found, color_name)
-        return Surface(base=color, reflection=color, roughness=self._roughness(found))
+        return self._rough(found, Surface(base=color, reflection=color))
 
-    def _roughness(self, found: Source) -> float:
-        return _unit(self._number(found, "Roughness", self._viewport.roughness))
+    def _rough(self, found: Source, surface: Surface) -> Surface:
+        """`surface` as rough as a node says, by an image or everywhere alike."""
+        plug = found.input("Roughness")
+        try:
+            grain = read_paint(plug)
+        except Unsupported:
+            grain = BLACK_PAINT
+        if grain.texture is not None and grain.attribute is None and source(plug).socket.name != "Alpha":
+            return replace(surface, roughness=_unit(read_number(plug, self._average)[0]), grain=grain)
+        roughness = _unit(self._number(found, "Roughness", self._viewport.roughness))
+        return replace(surface, roughness=roughness, grain=Paint((roughness,) * 3))
 
     def _metallic(self, found: Source) -> Surface:
         if getattr(found.node, "fresnel_type", "F82") != "F82":
@@ -115,26 +126,22 @@ class SurfaceReader:
     def _glass(self, found: Source) -> Surface:
         """The viewport colour under a reflection of the glass's index, for nothing here refracts."""
         self._warn(found.node, "lets light through, which is not supported; the viewport colour lies under its gloss")
-        return Surface(
+        glass = Surface(
             base=self._viewport_paint,
             diffuse=1.0,
             reflection=self._paint(found, "Color"),
             fresnel=Fresnel.DIELECTRIC,
             ior=self._number(found, "IOR"),
-            roughness=self._roughness(found),
         )
+        return self._rough(found, glass)
 
     def _principled(self, found: Source) -> Surface:
         """Principled: a metal from metallic 0.5 on, else a base under a dielectric gloss."""
         self._warn_of_layers(found)
         metallic = _unit(self._number(found, "Metallic", self._viewport.metallic))
         base = self._principled_base(found)
-        surface = Surface(
-            base=base,
-            diffuse=1.0 - metallic,
-            emission=self._paint(found, "Emission Color").times(self._number(found, "Emission Strength")),
-            roughness=self._roughness(found),
-        )
+        emission = self._paint(found, "Emission Color").times(self._number(found, "Emission Strength"))
+        surface = self._rough(found, Surface(base=base, diffuse=1.0 - metallic, emission=emission))
         if surface.emission.black:
             surface = replace(surface, emission=BLACK_PAINT)
         if metallic >= 0.5:
@@ -176,6 +183,7 @@ class SurfaceReader:
                 fresnel=Fresnel.DIELECTRIC,
                 ior=ior,
                 roughness=gloss.roughness,
+                grain=gloss.grain,
             )
         factor = _unit(self._number(found, "Fac", 0.5))
         return self._sum(found, surfaces[0].times(1.0 - factor), surfaces[1].times(factor))

@@ -66,6 +66,7 @@ def material_defines(scene: Scene) -> dict[str, int]:
         "BASE_IMAGES": [material.base for material in scene.materials],
         "EMISSION_IMAGES": [material.emission for material in scene.materials],
         "REFLECTION_IMAGES": [material.reflection for material in scene.materials],
+        "ROUGHNESS_IMAGES": [material.roughness for material in scene.materials],
     }
     defines = dict.fromkeys(sources, 0)
     for name, colors in sources.items():
@@ -139,12 +140,12 @@ def _instances_and_materials(scene: Scene, groups: Mapping[int, int]) -> tuple[n
         row[7] = (*layers[instance.mesh].low, layers[instance.mesh].axis)
         row[8] = (*layers[instance.mesh].size, convex[instance.mesh])
         row[9] = grids[instance.mesh]
-    materials = [_material(scene.materials[index]) for index in order] or [np.zeros((5, 4), np.float32)]
+    materials = [_material(scene.materials[index]) for index in order] or [np.zeros((6, 4), np.float32)]
     return rows.reshape(-1, 4), np.concatenate(materials)
 
 
 def _material(material: Material) -> np.ndarray:
-    base, reflection, emission = material.base, material.reflection, material.emission
+    base, reflection, emission, roughness = material.base, material.reflection, material.emission, material.roughness
     fresnel = material.fresnel if material.mirrors else _MIRRORS_NOTHING
     return np.array(
         [
@@ -152,7 +153,8 @@ def _material(material: Material) -> np.ndarray:
             [_image(base), _flags(base), fresnel, material.ior],
             [*reflection.color, _image(reflection)],
             [*emission.color, _image(emission)],
-            [_flags(reflection), _flags(emission), 0.0, 0.0],
+            [_flags(reflection), _flags(emission), _flags(roughness), 0.0],
+            [*roughness.color, _image(roughness)],
         ],
         np.float32,
     )

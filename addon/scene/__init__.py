@@ -2,7 +2,7 @@
 
 from .camera import Camera, SensorFit
 from .light import Lamp, LampKind, Lighting, World
-from .material import BLACK, ColorSource, Extension, Fresnel, Image, Interpolation, Material
+from .material import BLACK, ColorSource, Extension, Fresnel, Image, Interpolation, Material, grey
 from .mesh import Instance, Mesh
 from .scene import Scene
 
@@ -23,4 +23,5 @@ __all__ = [
     "Scene",
     "SensorFit",
     "World",
+    "grey",
 ]

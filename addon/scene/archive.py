@@ -26,7 +26,7 @@ from .scene import Scene
 
 EXTENSION = ".catoptric"
 FORMAT = "catoptric scene"
-VERSION = 1
+VERSION = 2
 
 _DESCRIPTION = "scene.json"
 _DAMAGE = (
@@ -101,9 +101,17 @@ def _read(archive: zipfile.ZipFile, path: Path) -> Scene:
     def fetch(reference: dict[str, str]) -> np.ndarray:
         return np.load(io.BytesIO(archive.read(reference["array"])), allow_pickle=False)
 
+    if description["version"] == 1:
+        _bring_up_to_2(description["scene"])
     scene = _decode(description["scene"], Scene, fetch)
     _check(scene)
     return scene
+
+
+def _bring_up_to_2(scene: dict) -> None:
+    """Version 1 knew roughness as one number."""
+    for material in scene["materials"]:
+        material["roughness"] = {"color": [material["roughness"]] * 3}
 
 
 def _encode(value: Any, store: Callable[[np.ndarray], dict]) -> Any:
@@ -154,7 +162,8 @@ def _check(scene: Scene) -> None:
         if shapes != ((count, 3), (count, 3, 3), (count, 3, 2), (count,)) or mesh.positions.shape[1:] != (3,):
             raise ValueError(f"the arrays of {mesh.name} do not fit together")
     for material in scene.materials:
-        _within((source.image for source in (material.base, material.emission, material.reflection)), scene.images)
+        sources = (material.base, material.emission, material.reflection, material.roughness)
+        _within((source.image for source in sources), scene.images)
 
 
 def _within(indices: typing.Iterable[int | None], there: typing.Sized, least: int = 0) -> None:

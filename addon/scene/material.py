@@ -62,7 +62,12 @@ class ColorSource:
     vertex_colors: bool = False
 
 
-BLACK = ColorSource((0.0, 0.0, 0.0))
+def grey(value: float) -> ColorSource:
+    """The same number in all channels."""
+    return ColorSource((value, value, value))
+
+
+BLACK = grey(0.0)
 
 
 @dataclass(frozen=True)
@@ -71,7 +76,8 @@ class Material:
 
     `diffuse` is the weight of scattering (0 for a metal). `emission` holds its strength in its
     colour. `reflection` BLACK means that nothing is mirrored, `fresnel` how it varies with the
-    angle, `ior` its index, `roughness` Blender's (GGX alpha is its square).
+    angle, `ior` its index. The luminance of `roughness`, as of a colour that becomes a number in Cycles, is
+    Blender's roughness; GGX alpha is its square.
     """
 
     name: str
@@ -81,7 +87,7 @@ class Material:
     reflection: ColorSource = BLACK
     fresnel: Fresnel = Fresnel.CONSTANT
     ior: float = 1.5
-    roughness: float = 0.5
+    roughness: ColorSource = field(default_factory=lambda: grey(0.5))
 
     @property
     def emits(self) -> bool:

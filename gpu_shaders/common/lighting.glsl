@@ -27,3 +27,12 @@ vec3 own_radiance(Surface s, vec3 direction) {
     if (DIELECTRICS != 0 && s.fresnel == FRESNEL_DIELECTRIC) passed -= reflectance(s, direction);
     return s.emission + passed * scattered(s);
 }
+
+// GGX's alpha, the square of Blender's roughness. Unlit reflectors are perfect mirrors, as in the reference.
+float alpha_of(Surface s) {
+#if LIGHTING == UNLIT
+    return 0.0;
+#else
+    return s.roughness * s.roughness;
+#endif
+}

@@ -4,6 +4,7 @@
 
 const int MIRRORS_NOTHING = -1, FRESNEL_CONSTANT = 0, FRESNEL_SCHLICK = 1, FRESNEL_DIELECTRIC = 2;
 const int TINTED = 8;  // flag of a colour
+const vec3 LUMINANCE = vec3(0.2126, 0.7152, 0.0722);
 
 struct Surface {
     Hit at;
@@ -13,6 +14,7 @@ struct Surface {
     vec3 base, emission, reflection;
     float diffuse;    // weight of scattering
     bool emits, reflects;
+    float roughness;  // Blender's
     int fresnel;
     float ior;
     int lightmap;
@@ -21,14 +23,14 @@ struct Surface {
 
 uniform int first_material;
 
-// 5 texels a material (addon/drawing/tables.py).
+// 6 texels a material (addon/drawing/tables.py).
 vec4 material_texel(int material, int offset) {
-    return texelFetch(records, texel_at(first_material + 5 * material + offset), 0);
+    return texelFetch(records, texel_at(first_material + 6 * material + offset), 0);
 }
 
 // A program is compiled for what the scene's materials use (addon/drawing/resident.py): BASE_IMAGES,
-// EMISSION_IMAGES and REFLECTION_IMAGES are 0, BYTES, FLOATS or both; VERTEX_COLORS, EMISSION and
-// DIELECTRICS (among what mirrors) 0 or 1.
+// EMISSION_IMAGES, REFLECTION_IMAGES and ROUGHNESS_IMAGES are 0, BYTES, FLOATS or both; VERTEX_COLORS,
+// EMISSION and DIELECTRICS (among what mirrors) 0 or 1.
 
 // `flags` packs interpolation, extension and whether vertex colours count (addon/drawing/tables.py).
 vec3 color_of(vec3 factor, float image, float flags, vec2 uv, vec3 vertex_color, int holds) {
@@ -75,12 +77,13 @@ Surface surface_at(Hit hit, vec3 direction) {
     // What a pass does not use is not fetched: the first two texels are what every pass uses.
     vec4 base = material_texel(material, 0), kind = material_texel(material, 1);
     vec4 reflection = material_texel(material, 2), emission = material_texel(material, 3);
-    vec4 flags = material_texel(material, 4);
+    vec4 flags = material_texel(material, 4), gloss = material_texel(material, 5);
     vec3 tint = VERTEX_COLORS != 0 ? vertex_color_at(hit.triangle, weight) : vec3(1.0);
     s.base = color_of(base.rgb, kind.x, kind.y, uv, tint, BASE_IMAGES);
     s.emits = EMISSION != 0 && any(greaterThan(emission.rgb, vec3(0.0)));
     s.emission = s.emits ? color_of(emission.rgb, emission.a, flags.y, uv, tint, EMISSION_IMAGES) : vec3(0.0);
     s.reflection = color_of(reflection.rgb, reflection.a, flags.x, uv, tint, REFLECTION_IMAGES);
+    s.roughness = dot(color_of(gloss.rgb, gloss.a, flags.z, uv, vec3(1.0), ROUGHNESS_IMAGES), LUMINANCE);
     s.diffuse = base.a;
     s.fresnel = int(kind.z);
     s.ior = kind.w;
@@ -114,10 +117,15 @@ Ray mirrored_ray(Surface s, vec3 direction) {
     return Ray(s.position, reflect(direction, mirror_normal(s, direction)));
 }
 
-vec3 reflectance(Surface s, vec3 direction) {
+// `cosine` is that of the angle between the ray and the normal of the mirror, or of a facet of it.
+vec3 reflectance_at(Surface s, float cosine) {
     if (!s.reflects) return vec3(0.0);
-    float cosine = clamp(-dot(mirror_normal(s, direction), direction), 0.0, 1.0);
     if (s.fresnel == FRESNEL_SCHLICK) return mix(s.reflection, vec3(1.0), pow(1.0 - cosine, 5.0));
     if (DIELECTRICS != 0 && s.fresnel == FRESNEL_DIELECTRIC) return s.reflection * dielectric(cosine, s.ior);
     return s.reflection;
+}
+
+vec3 reflectance(Surface s, vec3 direction) {
+    if (!s.reflects) return vec3(0.0);
+    return reflectance_at(s, clamp(-dot(mirror_normal(s, direction), direction), 0.0, 1.0));
 }

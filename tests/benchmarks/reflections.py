@@ -25,7 +25,7 @@ from catoptric.addon.gl import call, is_software, require
 from catoptric.addon.methods.contract import Frame, View
 from catoptric.addon.methods.registry import METHODS
 from catoptric.addon.metrics import error_maps
-from catoptric.addon.scene import Camera, ColorSource, Fresnel, Instance, Lighting, Material, Mesh, Scene, World
+from catoptric.addon.scene import BLACK, Camera, ColorSource, Fresnel, Instance, Lighting, Material, Mesh, Scene, World
 from catoptric.scenes import path_of
 
 SIZE = (768, 512)
@@ -75,7 +75,7 @@ def mesh_of(name: str, shape: trimesh.Trimesh) -> Mesh:
 def beside_a_ball(shape: trimesh.Trimesh) -> Scene:
     """A mirror ball that shows `shape`, twice."""
     white = ColorSource((0.9, 0.9, 0.9))
-    chrome = Material("chrome", diffuse=0.0, reflection=white, fresnel=Fresnel.SCHLICK, roughness=0.0)
+    chrome = Material("chrome", diffuse=0.0, reflection=white, fresnel=Fresnel.SCHLICK, roughness=BLACK)
     places = np.stack([np.eye(4)] * 3)
     places[1:, :3, 3] = (2.1, -0.4, 0.0), (-2.1, -0.4, 0.0)
     camera = np.eye(4)
