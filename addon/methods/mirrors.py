@@ -35,6 +35,49 @@ class Mirror:
     outline: np.ndarray
 
 
+@dataclass(frozen=True)
+class Registration:
+    """How a mirrored picture lies on a screen of `screen` pixels: around the same middle.
+
+    It is smaller by `scale`, and has `margin` texels more on each side, left and right, bottom and top.
+    """
+
+    screen: tuple[int, int]
+    scale: int = 1
+    margin: tuple[int, int] = (0, 0)
+
+    @property
+    def size(self) -> tuple[int, int]:
+        """Width and height of the picture in texels."""
+        (width, height), (x, y) = self.screen, self.margin
+        return -(-width // self.scale) + 2 * x, -(-height // self.scale) + 2 * y
+
+    @property
+    def extent(self) -> tuple[float, float]:
+        """The part of the picture's width and height that the screen covers."""
+        (width, height), (wide, high) = self.screen, self.size
+        return width / self.scale / wide, height / self.scale / high
+
+    def camera(self, camera: Camera) -> Camera:
+        """What sees the whole picture as `camera` sees the screen."""
+        if self.size == self.screen:
+            return camera
+        projection = np.diag([*self.extent, 1.0, 1.0]) @ camera.projection(*self.screen)
+        return Camera.of_matrices(np.linalg.inv(camera.matrix), projection, *self.size)
+
+    def bounds(self, bounds: Bounds) -> Bounds:
+        """A part of the screen as a part of the picture, with the margin and a texel for the filter around it."""
+        if self.size == self.screen:
+            return bounds
+        low, size = np.array(bounds[:2], float), np.array(self.size)
+        high = low + bounds[2:]
+        middle = np.array(self.screen) / 2.0
+        spare = np.add(self.margin, 1)
+        first = np.clip(np.floor((low - middle) / self.scale + size / 2.0) - spare, 0, size).astype(int)
+        last = np.clip(np.ceil((high - middle) / self.scale + size / 2.0) + spare, 0, size).astype(int)
+        return (*map(int, first), *map(int, last - first))
+
+
 def parts_of(scene: Scene, reflector: Instance, degrees: float, metres: float) -> FlatParts:
     """The flat parts of what mirrors of a reflector, in world space."""
     mesh = scene.meshes[reflector.mesh]

@@ -1,7 +1,7 @@
 """Flat mirrors by a second picture of the scene."""
 
 from collections.abc import Iterator, Mapping
-from dataclasses import replace
+from dataclasses import dataclass, replace
 from functools import partial
 
 import moderngl
@@ -28,6 +28,7 @@ from .layered_depth import LayeredDepth, reflections_left
 from .mirrors import (
     Bounds,
     Mirror,
+    Registration,
     before,
     clipped_by,
     cut_at,
@@ -41,7 +42,8 @@ from .mirrors import (
 
 _SECTION = "Advanced Graphics Programming Using OpenGL, 17.1.2"
 _LEAST_FLAT = 0.5
-_PARTS_UNIT, _PICTURE_UNIT = FREE_UNIT + 1, FREE_UNIT + 2
+_PARTS_UNIT = FREE_UNIT + 1
+PICTURE_UNIT = FREE_UNIT + 2
 
 ANGLE = Parameter(
     "angle",
@@ -89,6 +91,17 @@ DEPTH = Parameter(
 )
 
 
+@dataclass(frozen=True, eq=False)
+class Picture:
+    """What a mirror shows: `canvas`, drawn for `view`, whose camera is behind the mirror, at `offset` in its pixels."""
+
+    mirror: Mirror
+    view: View
+    canvas: Canvas
+    lies: Registration
+    offset: tuple[float, float]
+
+
 class Planar(DeferredMethod):
     """Flat mirrors: the scene is drawn once more for each, by a camera behind it.
 
@@ -113,8 +126,12 @@ class Planar(DeferredMethod):
     def __init__(self, settings: Mapping[str, Value] | None = None) -> None:
         """As any method's; raises `UsageError` for a setting that is wrong."""
         super().__init__(settings)
-        self._clipping = Clipping(self.settings["clipping"])
-        self._scale = self.settings["scale"] if self._clipping is Clipping.PROJECTIVE_TEXTURE else 1
+        self._canvases: dict[int, Canvas] = {}
+
+    @property
+    def clipping(self) -> Clipping:
+        """How mirrored geometry is kept to the mirror."""
+        return Clipping(self.settings["clipping"])
 
     @classmethod
     def applies_to(cls, scene: Scene, reflector: Instance) -> str | None:
@@ -145,7 +162,6 @@ class Planar(DeferredMethod):
             self._rests += [index] * (parts.share < 1.0)
             numbers.append((parts.part[:, None] + 1).astype(np.uint32))
         self._parts = DataTexture(np.concatenate(numbers))
-        self._canvases: dict[int, Canvas] = {}
         self._mark = program(None, "planar/mark.frag")
         self._rest = ScreenPass("planar/rest.frag", self.resident, Part.REFLECTORS)
 
@@ -154,10 +170,10 @@ class Planar(DeferredMethod):
         whole = target.scissor
         for mirror, bounds in self._in_sight(view, seen.size):
             if seen.shows(partial(self._draw_mark, mirror, seen)):
-                canvas = self._look_into(mirror, bounds, view, seen, sample["offset"])
+                picture = self._look_into(mirror, bounds, view, seen, sample["offset"])
                 target.scissor = bounds
                 self._bind_mirror(self._pass.shader, mirror.instance, mirror.part)
-                self._bind_picture(self._pass.shader, canvas)
+                self.bind_picture(self._pass.shader, picture)
                 self._pass.draw(view.camera, seen, target, **sample)
         target.scissor = whole
         for index in self._rests:
@@ -183,32 +199,36 @@ class Planar(DeferredMethod):
         self._bind_mirror(self._mark, mirror.instance, mirror.part)
         screen(self._mark).render(vertices=3)
 
-    def _look_into(self, mirror: Mirror, bounds: Bounds, view: View, seen: Visibility, offset) -> Canvas:
+    def registration(self, view: View, screen: tuple[int, int]) -> Registration:
+        """How large the mirrored pictures of a view are, and how they lie on its screen."""
+        softened = self.clipping is Clipping.PROJECTIVE_TEXTURE and not view.mirrored
+        return Registration(screen, self.settings["scale"] if softened else 1)
+
+    def _look_into(self, mirror: Mirror, bounds: Bounds, view: View, seen: Visibility, offset) -> "Picture":
         """What the mirror shows, at its place on the screen."""
-        scale = 1 if view.mirrored else self._scale
-        canvas = self._canvas(view.mirrored, tuple(-(-side // scale) for side in seen.size))
-        camera = mirrored(view.camera, mirror, self.scene)
-        (width, height), (wide, high) = seen.size, canvas.size
-        camera = replace(camera, pixel_aspect=camera.pixel_aspect * height * wide / (width * high))
-        bounds = _scaled(bounds, scale, canvas.size)
+        lies = self.registration(view, seen.size)
+        canvas = self._canvas(view.mirrored, lies.size)
+        camera = lies.camera(mirrored(view.camera, mirror, self.scene))
+        bounds = lies.bounds(bounds)
         cut = cut_at(mirror.plane, self.scene)
         opening = Opening(
             bounds,
-            clipped_by(self._clipping, mirror, camera, cut),
+            clipped_by(self.clipping, mirror, camera, cut),
             reached(camera, cut, canvas.size, bounds, self.scene),
-            self._clipping,
+            self.clipping,
             partial(self._draw_mark, mirror, seen),
         )
-        through = replace(view, camera=camera, width=wide, height=high, opening=opening, mirrored=view.mirrored + 1)
-        self.ensemble.paint_mirrored(through, canvas, tuple(part / scale for part in offset))
-        return canvas
+        through = View(camera, *canvas.size, view.samples, view.mirrored + 1, opening)
+        offset = offset[0] / lies.scale, offset[1] / lies.scale
+        self.ensemble.paint_mirrored(through, canvas, offset)
+        return Picture(mirror, through, canvas, lies, offset)
 
     def _canvas(self, level: int, size: tuple[int, int]) -> Canvas:
         """Kept from frame to frame, one for each mirror in a mirror."""
         if level in self._canvases and self._canvases[level].size != size:
             self._canvases.pop(level).release()
         if level not in self._canvases:
-            self._canvases[level] = Canvas(*size, stencil=self._clipping in NEED_STENCIL)
+            self._canvases[level] = Canvas(*size, stencil=self.clipping in NEED_STENCIL)
         return self._canvases[level]
 
     def _bind_mirror(self, shader: moderngl.Program, index: int, part: int) -> None:
@@ -216,24 +236,17 @@ class Planar(DeferredMethod):
         shader["mirror_parts"] = _PARTS_UNIT
         shader["mirror"] = index, part, self._first[index]
 
-    def _bind_picture(self, shader: moderngl.Program, canvas: Canvas) -> None:
-        canvas.color.use(_PICTURE_UNIT)
-        canvas.visibility.texture.use(_PICTURE_UNIT + 1)
-        shader["mirrored"], shader["mirrored_visibility"] = _PICTURE_UNIT, _PICTURE_UNIT + 1
-        shader["filtered"] = self._scale > 1
+    def bind_picture(self, shader: moderngl.Program, picture: "Picture") -> None:
+        """Have the mirror show this; texture units from PICTURE_UNIT on are free."""
+        picture.canvas.color.use(PICTURE_UNIT)
+        picture.canvas.visibility.texture.use(PICTURE_UNIT + 1)
+        shader["mirrored"], shader["mirrored_visibility"] = PICTURE_UNIT, PICTURE_UNIT + 1
+        shader["extent"] = picture.lies.extent
+        shader["filtered"] = picture.lies.scale > 1
 
     def free(self) -> None:
         """Give the pictures back."""
         for canvas in self._canvases.values():
             canvas.release()
+        self._canvases.clear()
         self._parts.release()
-
-
-def _scaled(bounds: Bounds, scale: int, size: tuple[int, int]) -> Bounds:
-    """Bounds in a picture that is smaller by `scale`, with a texel to spare for the filter."""
-    if scale == 1:
-        return bounds
-    x, y, wide, high = bounds
-    low = max(x // scale - 1, 0), max(y // scale - 1, 0)
-    end = min(-(-(x + wide) // scale) + 1, size[0]), min(-(-(y + high) // scale) + 1, size[1])
-    return (*low, end[0] - low[0], end[1] - low[1])

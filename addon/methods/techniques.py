@@ -2,6 +2,7 @@
 
 from .deferred import DeferredMethod
 from .environment_map import EnvironmentMap, EnvironmentMapDynamic, EnvironmentMapParallax
+from .glossy_planar import GlossyPlanar
 from .layered_depth import LayeredDepth
 from .layered_depth_published import LayeredDepthPublished
 from .planar import Planar
@@ -15,5 +16,6 @@ TECHNIQUES: dict[str, type[DeferredMethod]] = {
         LayeredDepthPublished,
         LayeredDepth,
         Planar,
+        GlossyPlanar,
     )
 }

@@ -1,0 +1,100 @@
+// A rough flat mirror: rays of its GGX lobe, followed through the picture that the mirrored camera saw.
+
+#include "common/reflection.glsl"
+#include "common/ggx.glsl"
+#include "planar/mirror.glsl"
+
+uniform sampler2D mirrored;        // radiance
+uniform sampler2D mirrored_depth;  // metres along the mirrored camera's axis; FAR for the world
+uniform mat4 world_to_mirrored;    // clip space of the mirrored camera
+uniform vec4 mirrored_axis;        // depth of a point: dot with (point, 1)
+uniform float reach;               // metres: where an orthographic camera's rays are half way to infinity
+uniform int rays;
+uniform float pattern;             // 0..1, other for each sample of the pixel
+
+const int STEPS = 12, HALVINGS = 3;
+const float LAST = 0.9995;         // of the way to infinity, as the screen shows it
+const float THICK = 1.0;           // what a ray passes behind counts as hit within so many of its steps
+
+struct Way {
+    vec4 from, along;  // clip space: a point on the way is at from + t along
+    float depth, deepens;
+    float reach;
+};
+
+// The way to infinity, cut so that it looks even on the screen: `part` 0..1 to metres.
+float metres(Way way, float part) {
+    return way.reach * part / (1.0 - part);
+}
+
+vec2 place_at(Way way, float t) {
+    vec4 at = way.from + t * way.along;
+    return clamp(0.5 + 0.5 * at.xy / at.w, 0.0, 1.0);
+}
+
+float depth_at(vec2 place) {
+    ivec2 size = textureSize(mirrored_depth, 0);
+    return texelFetch(mirrored_depth, min(ivec2(place * vec2(size)), size - 1), 0).x;
+}
+
+// How far behind the surface that is seen there the ray is after `t` metres.
+float behind(Way way, float t) {
+    return way.depth + t * way.deepens - depth_at(place_at(way, t));
+}
+
+// Where on the mirrored picture the ray ends; `t` is how far away that is.
+vec2 follow(Way way, float jitter, out float t) {
+    float before = 0.0;
+    t = metres(way, LAST);
+    for (int i = 0; i < STEPS; ++i) {
+        float part = (float(i) + jitter) / float(STEPS), at = metres(way, min(part * part, LAST));
+        float deep = behind(way, at), step = (at - before) * abs(way.deepens);
+        if (deep >= 0.0 && deep <= THICK * step + 0.02 * way.depth) {
+            t = at;
+            break;
+        }
+        before = at;
+    }
+    if (t < metres(way, LAST)) {
+        for (int i = 0; i < HALVINGS; ++i) {
+            float middle = 0.5 * (before + t);
+            if (behind(way, middle) >= 0.0) t = middle;
+            else before = middle;
+        }
+    }
+    return place_at(way, t);
+}
+
+Way way_of(Ray ray) {
+    Way way;
+    way.from = world_to_mirrored * vec4(ray.origin, 1.0);
+    way.along = world_to_mirrored * vec4(ray.direction, 0.0);
+    way.depth = dot(mirrored_axis, vec4(ray.origin, 1.0));
+    way.deepens = dot(mirrored_axis.xyz, ray.direction);
+    way.reach = orthographic ? reach : way.depth / max(way.deepens, 0.05);
+    return way;
+}
+
+// Even over the pixels of a neighbourhood (Jimenez 2014) and over the rays of a pixel (Roberts 2018).
+vec2 random(int index) {
+    float turn = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) + pattern;
+    return fract(vec2(turn, 0.618034 * turn) + float(index) * vec2(0.7548776662, 0.5698402910) + 0.5);
+}
+
+Mirrored mirrored_light(Surface s, vec3 direction) {
+    if (!shows_mirror(s.at.instance, s.at.triangle)) discard;
+    float alpha = max(alpha_of(s), SHARP), nearest = FAR;
+    mat3 frame = frame_of(s.normal);
+    vec3 view = -direction * frame, sum = vec3(0.0);
+    for (int i = 0; i < rays; ++i) {
+        vec2 u = random(i);
+        vec3 facet = sample_half(view, alpha, u), light = reflect(-view, facet);
+        if (light.z <= 0.0) continue;
+        float t;
+        vec2 place = follow(way_of(Ray(s.position, frame * light)), fract(u.x + 0.381966 * float(i)), t);
+        vec3 kept = reflectance_at(s, clamp(dot(view, facet), 0.0, 1.0)) * passed_on(view, light, alpha);
+        sum += kept * texture(mirrored, place).rgb;
+        if (i == 0) nearest = t;
+    }
+    return Mirrored(sum / float(rays), nearest);
+}
