@@ -27,6 +27,7 @@ from .scene import Scene
 EXTENSION = ".catoptric"
 FORMAT = "catoptric scene"
 VERSION = 2
+"""2 lets roughness vary, and tells how people look at the scene; what an older file lacks has its default."""
 
 _DESCRIPTION = "scene.json"
 _DAMAGE = (
