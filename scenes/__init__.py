@@ -17,6 +17,7 @@ SCENES: tuple[str, ...] = (
     "mirror-room",
     "cathedral",
     "mirror-hall",
+    "wet-street",
 )
 
 

@@ -152,8 +152,11 @@ def mirror(name: str, code: str = "#f5f5f5"):
     return material
 
 
-def glowing(name: str, code: str, strength: float, picture: np.ndarray | None = None):
-    """A material that gives off light, of one colour or a painted picture's, and scatters none."""
+def glowing(name: str, code: str, strength: float, picture: np.ndarray | None = None, lamp: bool = True):
+    """A material that gives off light, of one colour or a painted picture's, and scatters none.
+
+    Cycles aims no light paths at a picture, nor at what is no `lamp`: lamps beside it light with less noise.
+    """
     material, node = _material(name, code)
     node.inputs["Base Color"].default_value = (0.0, 0.0, 0.0, 1.0)
     node.inputs["Specular IOR Level"].default_value = 0.0
@@ -161,7 +164,8 @@ def glowing(name: str, code: str, strength: float, picture: np.ndarray | None = 
     node.inputs["Emission Strength"].default_value = strength
     if picture is not None:
         _link(node, "Emission Color", _byte_image(name, picture, QUALITY))
-        material.cycles.emission_sampling = "NONE"  # lamps beside it give its light with less noise
+    if picture is not None or not lamp:
+        material.cycles.emission_sampling = "NONE"
     return material
 
 
@@ -260,6 +264,32 @@ def area_lamp(name: str, power: float, size: tuple[float, float], location, targ
     lamp.data.shape = "RECTANGLE"
     lamp.data.size, lamp.data.size_y = size
     return lamp
+
+
+def point_lamp(name: str, power: float, radius: float, location, code: str = "#ffffff"):
+    """A round lamp of `power` W and `radius` metres. Returns it."""
+    lamp = _lamp(name, "POINT", power, code, location, (location[0], location[1], location[2] - 1.0))
+    lamp.data.shadow_soft_size = radius
+    return lamp
+
+
+def lettering(text: str, height: float, depth: float) -> shapes.Shape:
+    """`text` in Blender's own typeface, in y = 0 and `depth` before it, facing -Y, its middle at the origin."""
+    curve = bpy.data.curves.new("Lettering", "FONT")
+    curve.body, curve.size, curve.extrude = text, height * 1.4, depth / 2.0
+    curve.align_x, curve.align_y, curve.resolution_u = "CENTER", "CENTER", 3
+    writing = bpy.data.objects.new("Lettering", curve)
+    bpy.context.collection.objects.link(writing)
+    mesh = writing.evaluated_get(bpy.context.evaluated_depsgraph_get()).to_mesh()
+    mesh.calc_loop_triangles()
+    points = np.array([vertex.co for vertex in mesh.vertices], dtype=np.float64)
+    corners = points[np.array([triangle.vertices for triangle in mesh.loop_triangles])]
+    bpy.data.objects.remove(writing)
+    bpy.data.curves.remove(curve)
+    areas = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1)
+    corners = corners[areas > 1e-9]
+    upright = (corners @ shapes.turn("X", 90.0).T) - (0.0, depth / 2.0, 0.0)
+    return shapes.soup(np.concatenate([upright, upright[:, -1:]], axis=1))
 
 
 def camera(location, target, lens: float) -> None:

@@ -146,3 +146,140 @@ def marble(code: str, vein: str, size: int = 384, seed: int = 71) -> np.ndarray:
     )
     picture = color(code) * (0.86 + 0.14 * noise((size, size), 1.4, seed + 5))[..., None]
     return np.clip(paint(picture, np.clip(veins, 0, 1)[..., None], vein), 0.0, 1.0)
+
+
+def setts(size: tuple[int, int] = (2048, 1024), rows: int = 96, columns: int = 32) -> tuple[np.ndarray, np.ndarray]:
+    """Wet paving: the colour (H, W, 3) and the roughness (H, W) of rows of setts with puddles between. Repeats.
+
+    Puddles are nearly mirrors (0.03), wet stones dull ones (0.2 to 0.36), their joints rougher.
+    """
+    height, width = size
+    random = np.random.default_rng(81)
+    u, v = np.meshgrid((np.arange(width) + 0.5) / width * columns, (np.arange(height) + 0.5) / height * rows)
+    bend = noise(size, 1.6, 82)
+    v = v + 1.2 * (bend - 0.5)
+    row = np.floor(v).astype(int) % rows
+    u = u + random.random(rows)[row]
+    stone = row * columns + np.floor(u).astype(int) % columns
+    tone, hue = random.uniform(0.55, 1.0, rows * columns)[stone], random.random(rows * columns)[stone]
+    far = np.maximum(abs(u % 1 - 0.5) * 2.0, abs(v % 1 - 0.5) * 2.0)
+    corner = np.hypot(np.maximum(abs(u % 1 - 0.5) - 0.32, 0.0), np.maximum(abs(v % 1 - 0.5) - 0.32, 0.0)) / 0.15
+    joint = np.clip((np.maximum(far - 0.1, corner) - 0.86) / 0.1, 0.0, 1.0)
+    grain = noise(size, 0.35, 83)
+    puddle = np.clip((noise((height // 2, width // 2), 1.9, 84) - 0.48) / 0.06, 0.0, 1.0)
+    puddle = np.repeat(np.repeat(puddle, 2, axis=0), 2, axis=1)
+    puddle = puddle * puddle * (3.0 - 2.0 * puddle)
+    wet = np.clip(1.25 * noise(size, 1.5, 85) - 0.1, 0.0, 1.0)
+    stones = color("#6d6a68") + hue[..., None] * (color("#7b6a5c") - color("#6d6a68"))
+    picture = stones * (tone * (0.62 + 0.5 * grain) * (1.0 - 0.25 * wet))[..., None]
+    picture = picture + 0.9 * joint[..., None] * (color("#1d1b1a") - picture)
+    picture = picture * (1.0 - 0.55 * puddle)[..., None]
+    roughness = 0.36 - 0.16 * wet + 0.03 * (hue - 0.5)
+    roughness = roughness + 0.12 * joint
+    return np.clip(picture, 0.0, 1.0), roughness + puddle * (0.03 - roughness)
+
+
+def bricks(code: str, mortar: str, rows: int = 16, columns: int = 5, size: int = 384) -> np.ndarray:
+    """A brick wall in stretcher bond. Repeats; `rows` must be even."""
+    x, y = texels(size)
+    row = (y * rows).astype(int)
+    along = x * columns + 0.5 * (row % 2)
+    brick = row * columns + along.astype(int) % columns
+    tone = np.random.default_rng(86).uniform(0.72, 1.05, rows * columns)[brick]
+    gap = np.minimum((0.5 - abs(along % 1 - 0.5)) / columns, (0.5 - abs(y * rows % 1 - 0.5)) / rows)
+    picture = color(code) * (tone * (0.82 + 0.25 * noise((size, size), 0.5, 87)))[..., None]
+    return np.clip(paint(picture, cover(gap - 0.005, size), mortar), 0.0, 1.0)
+
+
+def plaster(code: str, size: int = 256) -> np.ndarray:
+    """A rendered wall, blotched by weather. Repeats."""
+    blotches = 0.84 + 0.12 * noise((size, size), 1.2, 88) + 0.05 * noise((size, size), 0.2, 89)
+    return np.clip(color(code) * blotches[..., None], 0.0, 1.0)
+
+
+def slates(code: str, rows: int = 12, columns: int = 8, size: int = 256) -> np.ndarray:
+    """A roof: staggered slates, each with its shadow below. Repeats; `rows` must be even."""
+    x, y = texels(size)
+    row = (y * rows).astype(int)
+    along = x * columns + 0.5 * (row % 2)
+    tone = np.random.default_rng(90).uniform(0.7, 1.05, rows * columns)[row * columns + along.astype(int) % columns]
+    shade = 0.55 + 0.45 * np.clip((y * rows % 1) / 0.25, 0, 1)
+    seam = np.clip((0.5 - abs(along % 1 - 0.5)) / 0.06, 0.35, 1.0)
+    return np.clip(color(code) * (tone * shade * seam)[..., None], 0.0, 1.0)
+
+
+def lit_window(wall: str, curtain: str, seed: int, size: int = 160) -> np.ndarray:
+    """A room behind a window at night: a wall with its lamplight, curtains at the sides, a plant or a picture."""
+    x, y = texels(size)
+    light = np.exp(-6.0 * ((x - 0.5) ** 2 + (y - 0.72) ** 2))
+    picture = color(wall) * (0.45 + 0.75 * light)[..., None]
+    random = np.random.default_rng(seed)
+    left, right = random.uniform(0.25, 0.45), random.uniform(0.6, 0.75)
+    frame = np.maximum(abs(x - (left + right) / 2) - 0.11, abs(y - 0.55) - 0.13)
+    picture = paint(picture, 0.75 * cover(frame, size), "#5a3a26")
+    leaves = np.hypot(x - random.uniform(0.35, 0.65), (y - 0.1) * 0.8)
+    leaves = leaves - 0.16 * (0.6 + 0.4 * noise((size, size), 0.6, seed))
+    picture = paint(picture, 0.85 * cover(leaves, size), "#2c3a20")
+    fold = 0.7 + 0.3 * np.sin(x * 75.0 + 2.0 * np.sin(3.0 * y))
+    drawn = 0.17 + 0.09 * (1.0 - np.sin(np.pi * np.clip(y, 0, 1))) + 0.02 * np.sin(9.0 * y)
+    curtains = np.clip((drawn - np.minimum(x, 1.0 - x)) * size, 0.0, 1.0)[..., None]
+    return np.clip(picture + curtains * (color(curtain) * fold[..., None] - picture), 0.0, 1.0)
+
+
+def dark_window(size: int = 96) -> np.ndarray:
+    """A window with no light behind it: the evening sky in the glass, and net curtains."""
+    x, y = texels(size)
+    picture = color("#1b2233") + (y**2)[..., None] * (color("#5b6c8c") - color("#1b2233"))
+    net = 0.25 * (0.5 + 0.5 * np.sin(x * 60.0))
+    return np.clip(paint(picture, (net * (y > 0.3))[..., None], "#aeb4bd"), 0.0, 1.0)
+
+
+def awning(first: str, second: str, size: int = 128) -> np.ndarray:
+    """Broad stripes of canvas along v. Repeats."""
+    x, _ = texels(size)
+    picture = np.where((x < 0.5)[..., None], color(first), color(second))
+    return picture * (0.9 + 0.1 * noise((size, size), 0.2, 91)[..., None])
+
+
+def leaves(size: int = 192) -> np.ndarray:
+    """Clipped box, close to. Repeats."""
+    field = noise((size, size), 0.45, 92)
+    picture = color("#2a4526") + np.clip((field - 0.35) / 0.4, 0, 1)[..., None] * (color("#6f9150") - color("#2a4526"))
+    return np.clip(picture, 0.0, 1.0)
+
+
+def clock(size: int = 256) -> np.ndarray:
+    """A clock's face at a quarter past seven."""
+    x, y = texels(size)
+    x, y = 2 * x - 1, 2 * y - 1
+    far, angle = np.hypot(x, y), np.arctan2(x, y)
+    picture = np.broadcast_to(color("#fff0cf"), (size, size, 3))
+    picture = paint(picture, cover((abs(far - 0.9) - 0.025) / 2, size), "#2a2118")
+    for marks, inner, wide in ((12, 0.66, 0.035), (60, 0.8, 0.012)):
+        turn = (angle * marks / (2 * np.pi) + 0.5) % 1 - 0.5
+        mark = np.maximum(
+            abs(turn) * 2 * np.pi / marks * far - wide, abs(far - (inner + 0.84) / 2) - (0.84 - inner) / 2
+        )
+        picture = paint(picture, cover(mark / 2, size), "#2a2118")
+    for at, length, wide in ((7.25 / 12, 0.45, 0.05), (0.25, 0.72, 0.032)):
+        along = far * np.cos(angle - at * 2 * np.pi)
+        hand = np.maximum(abs(far * np.sin(angle - at * 2 * np.pi)) - wide, np.maximum(along - length, -0.12 - along))
+        picture = paint(picture, cover(hand / 2, size), "#2a2118")
+    return picture
+
+
+def shelves(rows: int = 4, columns: int = 44, size: int = 320) -> np.ndarray:
+    """A shop's window in the evening: shelves of bright wares under a lamp."""
+    x, y = texels(size)
+    random = np.random.default_rng(93)
+    ware = (y * rows).astype(int) * columns + (x * columns).astype(int)
+    codes = ("#a8352f", "#e0b050", "#2f6b6a", "#efe3c8", "#4a3f7a", "#c9713a", "#5f7f4a", "#7a2f4a")
+    paints = np.array([color(code) for code in codes])[random.integers(0, len(codes), rows * columns)][ware]
+    tall = random.uniform(0.45, 0.86, rows * columns)[ware]
+    up = y * rows % 1
+    rounded = 0.7 + 0.3 * np.sin(np.pi * (x * columns % 1))
+    back = color("#6b4526") * (0.6 + 0.5 * y[..., None])
+    picture = np.where((up < tall)[..., None], paints * rounded[..., None], back)
+    picture = paint(picture, (up <= 0.07)[..., None], "#3a2414")
+    light = 0.55 + 0.6 * np.exp(-5.0 * ((x - 0.5) ** 2 + (y - 0.85) ** 2))
+    return np.clip(picture * light[..., None], 0.0, 1.0)
