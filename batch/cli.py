@@ -176,6 +176,10 @@ def preview(
         Path | None, typer.Option(metavar="FILE", help="Write the path as an .mp4, without any window.")
     ] = None,
     rate: Annotated[int, typer.Option(min=1, max=240, help="Pictures a second of a film.")] = 30,
+    view: Annotated[
+        str | None,
+        typer.Option(metavar="NAME", help="View transform, such as AgX; the scene's own unless given."),
+    ] = None,
 ) -> int:
     """Fly through a scene in a window; F1 shows the keys."""
     from .preview import launch  # the extension in Blender ships without it
@@ -183,7 +187,7 @@ def preview(
 
     parse_names(method if versus is None else f"{method},{versus}", METHODS, "--method")
     size = parse_resolution(resolution) if resolution is not None else None
-    wishes = launch.Wishes(method, versus, parse_settings(settings or (), METHODS), lighting, size, frame)
+    wishes = launch.Wishes(method, versus, parse_settings(settings or (), METHODS), lighting, size, frame, view)
     flown = CameraPath.load(path) if path is not None else None
     source = locate(scene)
     if video is None:

@@ -124,6 +124,8 @@ class _Reading:
             ),
             glossy_bounces=_bounces(scene),
             warnings=self.notes.lines,
+            view=scene.view_settings.view_transform,
+            exposure=scene.view_settings.exposure,
         )
 
     def _add_mesh(self, depsgraph, holder, parent, matrix: np.ndarray) -> None:

@@ -22,7 +22,7 @@ def fingerprint(bpy_scene: bpy.types.Scene, scene: Scene) -> str:
     Beside the extracted scene, whose lightmaps do not matter, these are the artist's shader nodes,
     which may hold more than extraction carries over, Cycles' settings and Blender's version.
     """
-    extracted = replace(without_lightmaps(scene), name="", resolution=(0, 0), warnings=())
+    extracted = replace(without_lightmaps(scene), name="", resolution=(0, 0), warnings=(), view="", exposure=0.0)
     names = {material.name for material in scene.materials}
     trees = [_tree(material.node_tree) for material in bpy.data.materials if material.name in names]
     lamps = [_tree(lamp.node_tree) for lamp in bpy.data.lights]

@@ -13,7 +13,8 @@ class Scene:
     """Everything that a method needs, in world space: right-handed, Z up, metres, scene-linear radiance.
 
     `resolution` is the width and height the scene asks for, `glossy_bounces` Cycles' setting (a
-    path reflects up to `glossy_bounces + 1` times), `warnings` what extraction could not carry over.
+    path reflects up to `glossy_bounces + 1` times), `warnings` what extraction could not carry over. `view` names
+    Blender's view transform and `exposure` its stops: how people look at a picture, which changes no radiance.
     """
 
     name: str
@@ -28,6 +29,8 @@ class Scene:
     resolution: tuple[int, int] = (768, 512)
     glossy_bounces: int = 4
     warnings: tuple[str, ...] = ()
+    view: str = "Standard"
+    exposure: float = 0.0
 
     @property
     def reflectors(self) -> tuple[int, ...]:

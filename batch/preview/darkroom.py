@@ -43,9 +43,9 @@ class Darkroom:
         self._sheet.release()
 
 
-def shown_as(look: Look) -> dict[str, float]:
+def shown_as(look: Look) -> dict[str, float | str]:
     """What `Display.draw` wants to know of a look."""
-    return {"split": look.split, "exposure": look.exposure}
+    return {"split": look.split, "exposure": look.exposure, "view": look.view}
 
 
 def photograph(

@@ -1,13 +1,17 @@
 """From canvases to a screen or a file, by one shader. Lives on the GL thread."""
 
+from functools import cache
+
 import moderngl
 import numpy as np
 
 from ...addon.drawing import Canvas
 from ...addon.gl import program, require, screen
+from .views import STANDARD, STOPS, table
 
 _LINE = 1.0
 _UNITS = 0, 1
+_TABLE_UNIT = 2
 
 
 class Display:
@@ -26,10 +30,12 @@ class Display:
         right: Canvas | None = None,
         split: float = 0.5,
         exposure: float = 0.0,
+        view: str = STANDARD,
     ) -> None:
         """Fill `target`, of `size` pixels.
 
-        `right` begins at `split`, 0..1 of the width; `exposure` in stops. A canvas of another size is scaled.
+        `right` begins at `split`, 0..1 of the width; `exposure` in stops; `view` is one of `views.names`. A canvas
+        of another size is scaled.
         """
         context = require()
         target.use()
@@ -38,6 +44,8 @@ class Display:
         for unit, canvas in zip(_UNITS, (left, right or left), strict=True):
             canvas.color.filter = (moderngl.LINEAR, moderngl.LINEAR)
             canvas.color.use(unit)
+        if view != STANDARD:
+            _table(view).use(_TABLE_UNIT)
         uniforms = {
             "left_picture": _UNITS[0],
             "right_picture": _UNITS[1],
@@ -46,10 +54,20 @@ class Display:
             "line": _LINE,
             "gain": 2.0**exposure,
             "depth": 0.0,
+            "by_table": view != STANDARD,
+            "table": _TABLE_UNIT,
+            "stops": STOPS,
         }
         for name, value in uniforms.items():
             self._shader[name] = value
         self._screen.render(vertices=3)
+
+
+@cache
+def _table(view: str) -> moderngl.Texture3D:
+    """A view transform on the GPU, made once."""
+    values = table(view)
+    return require().texture3d(values.shape[2::-1], 3, np.ascontiguousarray(values, "f4"), dtype="f4")
 
 
 class Sheet:

@@ -10,6 +10,7 @@ from ...addon.scene import Lighting
 from .keys import BINDINGS
 from .prepared import Choice
 from .session import Session
+from .views import names
 
 _MARGIN = 10.0
 _SIDES = "Left", "Right"
@@ -53,6 +54,9 @@ def _panel(session: Session, drawn: float | None, interval: float) -> None:
     changed, stops = imgui.slider_float("exposure, stops", session.look.exposure, -8.0, 8.0, "%.1f")
     if changed:
         session.expose(stops)
+    changed, number = imgui.combo("view", names().index(session.look.view), list(names()))
+    if changed:
+        session.view(names()[number])
     imgui.separator()
     _times(session, interval)
     imgui.separator()

@@ -29,6 +29,7 @@ BINDINGS = (
     Binding(("tab",), "Tab", "swap the two halves", "swap"),
     Binding(("l",), "L", "next light: unlit, direct, and cycles where the scene holds lightmaps", "next_lighting"),
     Binding(("-", "="), "- =", "exposure, half a stop down or up"),
+    Binding(("c",), "C", "next view transform: the plain sRGB curve, and those of Blender", "next_view"),
     Binding(("r",), "R", "record a path; again: stop, and save it beside the scene", "toggle_recording"),
     Binding(("space",), "Space", "play the path; again: stop", "toggle_replay"),
     Binding(("x",), "X", "export the path as a film", "ask_film"),

@@ -8,7 +8,7 @@ from contextlib import contextmanager
 from dataclasses import dataclass
 from pathlib import Path
 
-from ...addon.errors import SceneError
+from ...addon.errors import SceneError, UsageError
 from ...addon.gl import call
 from ...addon.parameters import Value
 from ...addon.scene import Lighting, Scene
@@ -21,6 +21,7 @@ from .darkroom import film
 from .look import Look
 from .path import CameraPath
 from .prepared import Choice, Prepared
+from .views import STANDARD, names
 
 _SCREEN = 1280, 720
 """What a window is fitted into that nobody gave a size."""
@@ -30,7 +31,10 @@ _EXPORT = "import sys; from {package}.batch.cli import main; sys.exit(main(sys.a
 
 @dataclass(frozen=True)
 class Wishes:
-    """What is to be shown. `settings` holds every method's values; None for `versus`: one picture alone."""
+    """What is to be shown. `settings` holds every method's values; None for `versus`: one picture alone.
+
+    Raises `UsageError` for a `view` that there is not; None is the scene's own.
+    """
 
     method: str
     versus: str | None
@@ -38,14 +42,19 @@ class Wishes:
     lighting: Lighting
     resolution: tuple[int, int] | None = None
     frame: int | None = None
+    view: str | None = None
 
-    @property
-    def look(self) -> Look:
-        """The look to begin with."""
+    def __post_init__(self) -> None:
+        if self.view is not None and self.view not in names():
+            raise UsageError(f"--view: no view transform {self.view!r}; there are: {', '.join(names())}")
+
+    def look(self, scene: Scene) -> Look:
+        """The look to begin with: by the view transform that was asked for, or the scene's own where it is known."""
         left, right = (
             Choice.of(name, self.settings[name], self.lighting) if name else None for name in (self.method, self.versus)
         )
-        return Look(left, right)
+        own = scene.view if scene.view in names() else STANDARD
+        return Look(left, right, exposure=scene.exposure, view=self.view or own)
 
 
 def show(source: Source, wishes: Wishes, stem: Path, path: CameraPath | None, rate: int) -> None:
@@ -54,7 +63,7 @@ def show(source: Source, wishes: Wishes, stem: Path, path: CameraPath | None, ra
 
     with _scene(source, wishes) as scene:
         window = open_window(f"{source.name} – Catoptric", wishes.resolution or _fitted(scene.resolution))
-        Preview(window, Session(scene, wishes.look, wishes.settings, stem, path, rate)).run()
+        Preview(window, Session(scene, wishes.look(scene), wishes.settings, stem, path, rate)).run()
 
 
 def shoot(source: Source, wishes: Wishes, path: CameraPath, rate: int, out: Path, terminal: Terminal) -> None:
@@ -65,7 +74,7 @@ def shoot(source: Source, wishes: Wishes, path: CameraPath, rate: int, out: Path
         bar = terminal.bar(source.name)
         prepared = Prepared(scene)
         try:
-            film(prepared, wishes.look, scene.camera, path, size, rate, out, bar.step("film", 0.0, 1.0))
+            film(prepared, wishes.look(scene), scene.camera, path, size, rate, out, bar.step("film", 0.0, 1.0))
         finally:
             call(prepared.release)
         bar.finish()

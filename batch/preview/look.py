@@ -4,19 +4,22 @@ from dataclasses import dataclass
 
 from ...addon.scene import Lighting
 from .prepared import Choice
+from .views import STANDARD
 
 
 @dataclass(frozen=True)
 class Look:
     """A method, or two side by side.
 
-    `right` is None for one picture; else it begins at `split`, 0..1 of the width. `exposure` in stops.
+    `right` is None for one picture; else it begins at `split`, 0..1 of the width. `exposure` in stops; `view` is
+    one of `views.names`.
     """
 
     left: Choice
     right: Choice | None = None
     split: float = 0.5
     exposure: float = 0.0
+    view: str = STANDARD
 
     @property
     def choices(self) -> tuple[Choice, ...]:

@@ -23,6 +23,7 @@ from .path import CameraPath
 from .pilot import Pilot
 from .prepared import Choice
 from .video import EXTENSION as FILM
+from .views import names
 from .workshop import Subject, Workshop
 
 _PATIENCE = 0.25  # seconds without a change of a value, before the method is prepared again
@@ -105,6 +106,16 @@ class Session:
     def expose(self, stops: float) -> None:
         """Show the picture brighter or darker."""
         self.look = replace(self.look, exposure=float(np.clip(stops, -_EXPOSURES, _EXPOSURES)))
+
+    def view(self, name: str) -> None:
+        """Show radiance by that view transform."""
+        self.look = replace(self.look, view=name)
+
+    def next_view(self) -> None:
+        """The view transform after this one."""
+        known = names()
+        self.view(known[(known.index(self.look.view) + 1) % len(known)])
+        self.message = f"view transform {self.look.view}"
 
     def divide(self, split: float) -> None:
         """Move the line of the split view, 0..1 of the width."""

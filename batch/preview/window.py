@@ -11,6 +11,7 @@ from moderngl_window.context.base import BaseWindow
 from ...addon.errors import Cancelled, MachineError
 from ...addon.gl import adopt
 from . import hud
+from .darkroom import shown_as
 from .display import Display
 from .interface import Interface
 from .pilot import turn_per_pixel
@@ -126,7 +127,7 @@ class Preview:
         screen, size = self._window.ctx.screen, self._window.buffer_size
         shown = session.workshop.painter.shown.canvases
         if shown:
-            self._display.draw(screen, size, *shown, split=session.look.split, exposure=session.look.exposure)
+            self._display.draw(screen, size, *shown, **shown_as(session.look))
         else:
             screen.use()
             screen.clear()
