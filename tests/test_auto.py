@@ -12,7 +12,7 @@ from catoptric.addon.methods.mixed import AUTO, Mixed
 from catoptric.addon.methods.registry import METHODS
 from catoptric.addon.methods.situation import Situation
 from catoptric.addon.metrics import flip_map
-from catoptric.addon.scene import ColorSource, Lighting, Material
+from catoptric.addon.scene import ColorSource, Image, Lighting, Material, grey
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -272,3 +272,26 @@ def test_a_choice_among_150_takes_no_time():
         choose(moved, moved.instances[0])
         times.append(time.perf_counter() - start)
     assert min(times) < 0.005
+
+
+@pytest.mark.parametrize(
+    ("shape", "roughness", "texels", "expected"),
+    [
+        (PANE, 0.3, None, "glossy-planar"),
+        (PANE, 0.0, None, NEAR),
+        (PANE, 0.01, None, NEAR),  # a lobe of 0.03 degrees is less than half a pixel
+        (PANE, 1.0, (20, 100), "glossy-planar"),
+        (PANE, 1.0, (0, 0), NEAR),
+        (BALL, 0.3, None, NEAR),  # rough, but not flat
+    ],
+)
+def test_a_rough_flat_mirror_is_blurred(shape, roughness, texels, expected):
+    scene = scene_of([(shape, placed(scale=(2, 2, 2)), True), (CUBE, placed((0, 0, 1.2)), False)], looking((0, -5, 2)))
+    images = ()
+    if texels:
+        pixels = np.zeros((1, 16, 4), np.uint8)
+        pixels[:, :8], pixels[:, 8:] = texels
+        images = (Image("scratches", pixels),)
+    rough = replace(scene.materials[0], roughness=replace(grey(roughness), image=0 if texels else None))
+    scene = replace(scene, materials=(rough, *scene.materials[1:]), images=images)
+    assert choose(scene, scene.instances[0]).method == expected

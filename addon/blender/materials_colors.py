@@ -6,7 +6,7 @@ from dataclasses import dataclass, replace
 import bpy
 import numpy as np
 
-from ..scene import Extension, Interpolation
+from ..scene import LUMINANCE, Extension, Interpolation
 from .materials_lookup import Lookup, read_lookup
 from .nodes import Plug, Source, Unsupported, source
 
@@ -95,7 +95,7 @@ def _grey(socket: bpy.types.NodeSocket, color: Color) -> float:
 
 
 def _luminance(color: Color) -> float:
-    return float(np.dot(color, (0.2126, 0.7152, 0.0722)))
+    return float(np.dot(color, LUMINANCE))
 
 
 def read_constant(plug: Plug) -> float:

@@ -6,6 +6,7 @@ from dataclasses import dataclass
 from ..parameters import Parameter
 from ..scene import Instance, Scene
 from .environment_map import CUBE_SIZE, EnvironmentMap, EnvironmentMapParallax
+from .glossy_planar import GlossyPlanar
 from .layered_depth import LayeredDepth
 from .situation import Situation
 
@@ -43,6 +44,15 @@ def choose(scene: Scene, reflector: Instance, tolerance: float = TOLERANCE.defau
     situation = Situation(scene, reflector, tolerance)
     answers = (rule(situation) for rule in RULES)
     return next((answer for answer in answers if answer), None) or _near(situation)
+
+
+def _rough(situation: Situation) -> Choice | None:
+    if situation.blur <= situation.tolerance or GlossyPlanar.applies_to(situation.scene, situation.reflector):
+        return None
+    return Choice(
+        GlossyPlanar.name,
+        f"it is flat, and so rough that what is far away blurs by {_pixels(situation.blur)}, which this method shows",
+    )
 
 
 def _small(situation: Situation) -> Choice | None:
@@ -115,5 +125,5 @@ def _pixels(value: float) -> str:
     return "less than 0.1 pixels" if value < 0.1 else f"{_number(value)} pixels"
 
 
-RULES: list[Rule] = [_small, _shows_itself, _blurred, _environment_map, _room]
+RULES: list[Rule] = [_rough, _small, _shows_itself, _blurred, _environment_map, _room]
 """Asked in this order; a new method adds its own, before those that would answer for it."""

@@ -6,8 +6,9 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ..scene import Instance, Mesh, Scene
+from ..scene import LUMINANCE, ColorSource, Instance, Mesh, Scene
 from ..tracing import is_convex
+from .gloss import lobe_angle_of_roughness
 
 _MOST_TRIANGLES = 50_000
 """Of what stands around; more take longer to look through than a choice may."""
@@ -192,6 +193,15 @@ class Situation:
         """
         return self._misplaced(self.distances)
 
+    @cached_property
+    def blur(self) -> float:
+        """Pixels by which the roughest of its mirrors blurs what is far away: the width of its lobe."""
+        mesh = self.scene.meshes[self.reflector.mesh]
+        materials = [self.scene.materials[self.reflector.materials[slot]] for slot in np.unique(mesh.slots)]
+        roughness = [_average(self.scene, material.roughness) for material in materials if material.mirrors]
+        lobe = float(lobe_angle_of_roughness(max(roughness, default=0.0)))
+        return 0.0 if self.scene.camera.ortho_scale is not None else 2.0 * np.tan(lobe) / self._pixel
+
     @property
     def worst(self) -> int:
         """Which of `others` decides against an environment map: one beside the reflector rather than around it."""
@@ -227,6 +237,15 @@ class Situation:
     def _projected(self, depth: np.ndarray, distance: np.ndarray) -> float:
         offset = self.radius * depth / np.maximum(distance + depth, 1e-30)
         return float(self.on_screen(offset, distance).max(initial=0.0))
+
+
+def _average(scene: Scene, source: ColorSource) -> float:
+    """The mean of what a colour is as a number."""
+    mean = np.ones(3)
+    if source.image is not None:
+        pixels = scene.images[source.image].pixels[::8, ::8, :3]
+        mean = pixels.mean(axis=(0, 1)) / (255.0 if pixels.dtype == np.uint8 else 1.0)
+    return float(np.clip((mean * source.color) @ LUMINANCE, 0.0, 1.0))
 
 
 def shape_of(mesh: Mesh) -> Shape:

@@ -2,12 +2,13 @@
 
 from .camera import Camera, SensorFit
 from .light import Lamp, LampKind, Lighting, World
-from .material import BLACK, ColorSource, Extension, Fresnel, Image, Interpolation, Material, grey
+from .material import BLACK, LUMINANCE, ColorSource, Extension, Fresnel, Image, Interpolation, Material, grey
 from .mesh import Instance, Mesh
 from .scene import Scene
 
 __all__ = [
     "BLACK",
+    "LUMINANCE",
     "Camera",
     "ColorSource",
     "Extension",

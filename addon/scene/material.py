@@ -62,6 +62,10 @@ class ColorSource:
     vertex_colors: bool = False
 
 
+LUMINANCE = (0.2126, 0.7152, 0.0722)
+"""What a colour becomes as a number, as Cycles converts it."""
+
+
 def grey(value: float) -> ColorSource:
     """The same number in all channels."""
     return ColorSource((value, value, value))
