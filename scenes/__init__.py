@@ -18,6 +18,7 @@ SCENES: tuple[str, ...] = (
     "cathedral",
     "mirror-hall",
     "wet-street",
+    "bathroom",
 )
 
 

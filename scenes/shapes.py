@@ -96,6 +96,21 @@ def lathe(profile: np.ndarray, segments: int, repeat: tuple[float, float] = (1.0
     return sheet(profile[:, None, [0, 0, 1]] * circle, repeat)
 
 
+def loft(sections: np.ndarray, sides: int) -> Shape:
+    """A surface through level outlines, from the first to the last; rising ones face outwards.
+
+    `sections` (K, 5): height, half-widths along X and Y, middle in Y, and the superellipse's exponent (2 is
+    round, 5 a rounded box).
+    """
+    angle = np.linspace(0.0, 2.0 * np.pi, sides + 1)
+    angle[-1] = 0.0
+    cosine, sine = np.cos(angle), np.sin(angle)
+    height, wide, long, middle, power = (column[:, None] for column in np.asarray(sections, dtype=np.float64).T)
+    x = wide * np.sign(cosine) * np.abs(cosine) ** (2.0 / power)
+    y = middle + long * np.sign(sine) * np.abs(sine) ** (2.0 / power)
+    return sheet(np.stack([x, y, np.broadcast_to(height, x.shape)], axis=-1))
+
+
 def sphere(radius: float, segments: int, rings: int) -> Shape:
     """A closed sphere of 2 * segments * (rings - 1) triangles."""
     latitude = np.linspace(-np.pi / 2, np.pi / 2, rings + 1)
@@ -149,6 +164,15 @@ def ellipse(width: float, height: float, count: int) -> np.ndarray:
     """(count, 2) corners of an ellipse about the origin, counter-clockwise."""
     angle = np.arange(count) * 2.0 * np.pi / count
     return np.stack([np.cos(angle) * width / 2, np.sin(angle) * height / 2], axis=-1)
+
+
+def rounded(width: float, height: float, radius: float, steps: int) -> np.ndarray:
+    """(4 * steps + 4, 2) corners of a rectangle about the origin with round corners, counter-clockwise."""
+    angle = np.linspace(0.0, np.pi / 2, steps + 1)
+    arcs = [np.stack([np.cos(angle + turned), np.sin(angle + turned)], axis=-1) for turned in np.arange(4) * np.pi / 2]
+    signs = np.array([(1, 1), (-1, 1), (-1, -1), (1, -1)])
+    middles = signs * (width / 2 - radius, height / 2 - radius)
+    return np.concatenate([middle + radius * arc for middle, arc in zip(middles, arcs, strict=True)])
 
 
 def framed(hole: np.ndarray, width: float, height: float) -> tuple[np.ndarray, np.ndarray]:

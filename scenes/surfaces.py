@@ -248,6 +248,55 @@ def leaves(size: int = 192) -> np.ndarray:
     return np.clip(picture, 0.0, 1.0)
 
 
+def octagon_tiles(count: int = 4, size: int = 512) -> np.ndarray:
+    """Pale octagons with small dark squares between, `count` a side. Repeats."""
+    x, y = texels(size)
+    u, v = abs(x * count % 1 - 0.5), abs(y * count % 1 - 0.5)
+    tile = np.floor(x * count).astype(int) + count * np.floor(y * count).astype(int)
+    tone = np.random.default_rng(94).uniform(0.9, 1.0, count * count)[tile]
+    cloud = noise((size, size), 1.2, 95)
+    picture = color("#cdd3ce") * (tone * (0.9 + 0.1 * cloud))[..., None]
+    lozenge = (1.0 - u - v - 0.27) / np.sqrt(2.0) / count
+    picture = paint(picture, cover(lozenge, size), "#1f3d42")
+    edge = np.minimum(0.5 - np.maximum(u, v), 1.0) / count
+    joint = np.where(lozenge > 0.0, np.minimum(edge, lozenge), -lozenge)
+    return picture + 0.85 * cover(joint - 0.0022, size) * (color("#8f9490") - picture)
+
+
+def metro_tiles(code: str, grout: str, rows: int = 8, columns: int = 4, size: int = 512) -> np.ndarray:
+    """Bevelled wall tiles in staggered rows: light on their upper slopes, dark on the lower. Repeats; `rows` even."""
+    x, y = texels(size)
+    row = (y * rows).astype(int)
+    u, v = (x * columns + 0.5 * (row % 2)) % 1 - 0.5, y * rows % 1 - 0.5
+    near = np.minimum((0.5 - abs(u)) / columns, (0.5 - abs(v)) / rows)
+    upper = ((0.5 - v) / rows < (0.5 - abs(u)) / columns) & (v > 0)
+    lower = ((0.5 + v) / rows < (0.5 - abs(u)) / columns) & (v < 0)
+    shade = np.where(near < 0.014, np.select([upper, lower], [1.05, 0.8], 0.9), 0.97)
+    tile = row * columns + np.floor(x * columns + 0.5 * (row % 2)).astype(int) % columns
+    tone = np.random.default_rng(96).uniform(0.95, 1.0, rows * columns)[tile]
+    picture = color(code) * (shade * tone)[..., None]
+    return np.clip(paint(picture, cover(near - 0.0028, size), grout), 0.0, 1.0)
+
+
+def terry(code: str, band: str, size: int = 256) -> np.ndarray:
+    """Towelling: loops of yarn, with a woven band near each end of v."""
+    x, y = texels(size)
+    picture = color(code) * (0.72 + 0.28 * np.random.default_rng(97).random((size, size)))[..., None]
+    woven = 0.85 + 0.15 * np.sign(np.sin(x * 2 * np.pi * 40))
+    for at, wide in ((0.08, 0.022), (0.14, 0.008), (0.92, 0.022), (0.86, 0.008)):
+        where = cover(abs(y - at) - wide, size)
+        picture = picture + where * (color(band) * woven[..., None] - picture)
+    return np.clip(picture, 0.0, 1.0)
+
+
+def frosted(size: int = 192) -> np.ndarray:
+    """Frosted glass with a garden behind it."""
+    _, y = texels(size)
+    picture = color("#a9cdbb") + (y**0.7)[..., None] * (color("#f1f7ff") - color("#a9cdbb"))
+    green = np.clip((noise((size, size), 1.5, 98) - 0.45) / 0.2, 0.0, 1.0) * np.clip(1.1 - 1.4 * y, 0.0, 1.0)
+    return np.clip(picture + 0.6 * green[..., None] * (color("#7fae84") - picture), 0.0, 1.0)
+
+
 def clock(size: int = 256) -> np.ndarray:
     """A clock's face at a quarter past seven."""
     x, y = texels(size)

@@ -31,9 +31,11 @@ FLAT = {
     "cathedral": {"Floor"},
     "mirror-hall": {"Mirror left", "Mirror right", "Standing mirror"},
     "wet-street": {"Paving"},
+    "bathroom": {"Wall mirror", "Floor"},
 }
 CURVED_ALONE = [name for name in SCENES if name not in FLAT]
-TRIANGLES = {"cathedral": (40_250 * 0.99, 40_250 * 1.01)}  # of glossy-planar-reflections.txt, section 5
+# The cathedral's are those of the paper on glossy planar reflections, section 5.
+TRIANGLES = {"cathedral": (40_250 * 0.99, 40_250 * 1.01), "bathroom": (85_000, 95_000)}
 GLOSSY_BOUNCES = {"mirror-hall": 2}
 PLANE = 1e-6  # metres: how flat a flat reflector is, what single precision gives at these sizes
 AVERAGED = "varies roughness"  # what is said of the wet street for as long as no method draws such a texture
@@ -229,8 +231,9 @@ def test_nothing_lies_in_the_plane_of_a_flat_reflector(name: str) -> None:
         shares = random.dirichlet(np.ones(3), 4000)
         normal = normals[chosen] / areas[chosen, None]
         behind = np.einsum("pk,pki->pi", shares, corners[chosen]) - 0.0005 * normal
-        hits, rays, _ = others.ray.intersects_location(behind, normal, multiple_hits=False)
-        assert np.linalg.norm(hits - behind[rays], axis=1).min(initial=1.0) > 0.001, thing
+        hits, rays, faces = others.ray.intersects_location(behind, normal, multiple_hits=False)
+        lying = np.abs(np.einsum("ri,ri->r", others.face_normals[faces], normal[rays])) > 0.9
+        assert np.linalg.norm(hits - behind[rays], axis=1).min(initial=1.0, where=lying) > 0.001, thing
 
 
 @pytest.mark.parametrize("name", FLAT)
