@@ -3,22 +3,26 @@
 import subprocess
 import sys
 import time
+from dataclasses import replace
 
 import numpy as np
 import psutil
 import pytest
-from catoptric.addon.errors import MachineError
+from catoptric.addon.errors import MachineError, SceneError
 from catoptric.addon.gl import call, require
 from catoptric.addon.methods.registry import METHODS
 from catoptric.addon.metrics import to_bytes
 from catoptric.addon.parameters import resolve
 from catoptric.addon.scene import Lighting
+from catoptric.addon.scene.archive import load, save
 from catoptric.batch.preview.keys import ACTIONS, BINDINGS
 from catoptric.batch.preview.look import Look
 from catoptric.batch.preview.path import CameraPath
 from catoptric.batch.preview.session import Session
+from catoptric.batch.preview.watch import Watch
 
 from .preview_stage import SIZE, choice, rendered, stage
+from .stage import looking, placed
 
 # A session
 
@@ -242,3 +246,73 @@ def test_what_python_lets_go_of_leaves_the_gpu():
     before = psutil.Process().memory_info().rss
     call(waste)
     assert psutil.Process().memory_info().rss - before < 2**28
+
+
+# Another state of the scene
+
+
+def moved_box(scene):
+    instances = list(scene.instances)
+    instances[1] = replace(instances[1], matrix=placed((1.6, 0.2, 0.6), turn=0.9))
+    return replace(scene, instances=tuple(instances))
+
+
+def test_a_scene_that_was_saved_again_is_shown_from_where_the_camera_is(session):
+    session.pilot.turn(0.2, 0.1)
+    rest(session)
+    before, camera = colors(session)[0], session.pilot.camera.matrix
+    call(session.take, moved_box(stage()))
+    np.testing.assert_array_equal(colors(session)[0], before)  # until there is a new one
+    rest(session)
+    np.testing.assert_array_equal(session.pilot.camera.matrix, camera)
+    expected = rendered(moved_box(stage()), session.pilot.camera, "layered-depth", 4)
+    assert np.abs(to_bytes(colors(session)[0]).astype(int) - expected).max() <= 1
+    assert np.abs(colors(session)[0] - before).max() > 0.1
+
+
+def test_who_has_not_flown_follows_the_scene_s_camera(session):
+    there = looking((-2.0, -4.0, 2.0))
+    call(session.take, replace(stage(), camera=there))
+    assert session.pilot.camera is there
+    session.pilot.turn(0.2, 0.1)
+    call(session.take, replace(stage(), camera=replace(looking((0, -9, 0)), lens=80.0)))
+    assert session.pilot.camera.lens == 80.0
+    assert np.linalg.norm(session.pilot.camera.position - there.position) < 1e-6
+
+
+def test_light_that_the_new_scene_lacks_gives_way(session):
+    session.lightings = (Lighting.UNLIT, Lighting.CYCLES)
+    session.light(Lighting.CYCLES)
+    call(session.take, stage())
+    assert session.look.lighting is Lighting.UNLIT
+
+
+def news_of(watch, seconds=20.0):
+    end = time.monotonic() + seconds
+    while time.monotonic() < end:
+        if (news := watch.news()) is not None:
+            return news
+        time.sleep(0.02)
+    raise AssertionError("no news")
+
+
+def test_a_watch_tells_once_of_every_change(tmp_path):
+    file = tmp_path / "stage.catoptric"
+    save(stage(), file)
+    watch = Watch(file, lambda: load(file))
+    try:
+        assert all(watch.news() is None for _ in range(100))
+        save(replace(stage(), name="second"), file)
+        assert news_of(watch).name == "second"
+        time.sleep(0.6)
+        assert watch.news() is None
+        file.write_bytes(b"nonsense")
+        with pytest.raises(SceneError, match="damaged"):
+            news_of(watch)
+        file.unlink()
+        time.sleep(0.6)
+        assert watch.news() is None
+        save(replace(stage(), name="third"), file)
+        assert news_of(watch).name == "third"
+    finally:
+        watch.close()

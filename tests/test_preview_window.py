@@ -1,10 +1,12 @@
 """The preview's real window, on a virtual X server: keys and mouse go in, pictures of the screen come out."""
 
+import json
 import os
 import shutil
 import subprocess
 import sys
 import time
+from dataclasses import replace
 from pathlib import Path
 
 import numpy as np
@@ -155,6 +157,38 @@ def test_a_visit(desk):
     desk.do("key", "ctrl+q")
     assert desk.process.wait(20) == 0
     assert desk.process.stderr.read() == ""
+
+
+def test_the_mouse_turns_the_view_beyond_any_border_and_comes_back(desk):
+    place = subprocess.run(["xdotool", "search", "--name", "Catoptric"], capture_output=True, text=True).stdout.split()
+    desk.do("windowfocus", place[0], "mousemove", "300", "150")
+    desk.do("key", "h")
+    desk.do("key", "r")
+    desk.do("mousedown", "1")
+    for _ in range(40):
+        desk.do("mousemove_relative", "60", "0")
+    desk.do("mouseup", "1")
+    desk.do("key", "r")
+    saved = desk.folder / "stage-001.path.json"
+    wait_until(saved.exists)
+    first, *_, last = json.loads(saved.read_text())["keys"]
+    turned = abs(last["yaw"] - first["yaw"])
+    pixel = np.degrees(36.0 / 50.0 / SIZE[0])
+    assert 36 * 60 * pixel < turned <= 41 * 60 * pixel  # 2400 pixels on a screen of 1024
+    assert last["pitch"] == pytest.approx(first["pitch"], abs=3 * pixel)
+    said = subprocess.run(["xdotool", "getmouselocation"], capture_output=True, text=True).stdout
+    assert [int(part[2:]) for part in said.split()[:2]] == [pytest.approx(300, abs=1), pytest.approx(150, abs=1)]
+
+
+def test_a_file_that_is_saved_again_is_shown_again(desk):
+    desk.do("key", "h", "mousemove", "900", "500")
+    before = desk.rest()
+    bare = stage()
+    save(replace(bare, instances=(bare.instances[0], bare.instances[2])), desk.folder / "stage.catoptric")
+    time.sleep(2.0)
+    after = desk.rest()
+    assert np.abs(after - before)[:PANEL].mean() > 2
+    assert desk.process.poll() is None
 
 
 @pytest.mark.parametrize("lack", [{"MESA_GL_VERSION_OVERRIDE": "3.3"}, {"DISPLAY": ""}], ids=["OpenGL", "screen"])

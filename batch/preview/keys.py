@@ -21,7 +21,11 @@ BINDINGS = (
     Binding(("w", "a", "s", "d", "up", "left", "down", "right"), "W A S D", "fly; the arrow keys do as well"),
     Binding(("q", "e"), "Q E", "fly down, up"),
     Binding(("shift",), "Shift", "fly four times as fast"),
-    Binding((), "drag", "look around; on the line of the split view: move it"),
+    Binding(
+        (),
+        "drag",
+        "look around, as far as you like; on the line of the split view: move it",
+    ),
     Binding((), "wheel", "fly faster or slower from now on"),
     Binding(("home",), "Home", "back to the scene's camera", "pilot.go_home"),
     Binding(DIGITS, "1 … 9", "this method; with Ctrl: in the right half of the split view"),

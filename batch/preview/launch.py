@@ -3,9 +3,8 @@
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator, Mapping
-from contextlib import contextmanager
-from dataclasses import dataclass
+from collections.abc import Mapping
+from dataclasses import dataclass, replace
 from pathlib import Path
 
 from ...addon.errors import SceneError, UsageError
@@ -22,6 +21,7 @@ from .look import Look
 from .path import CameraPath
 from .prepared import Choice, Prepared
 from .views import STANDARD, names
+from .watch import Watch
 
 _SCREEN = 1280, 720
 """What a window is fitted into that nobody gave a size."""
@@ -61,28 +61,28 @@ def show(source: Source, wishes: Wishes, stem: Path, path: CameraPath | None, ra
     """Open a window on the scene, and return once it is closed. Files are written as `stem` with a number."""
     from .window import Preview, Session, open_window  # only here is there a screen
 
-    with _scene(source, wishes) as scene:
-        window = open_window(f"{source.name} – Catoptric", wishes.resolution or _fitted(scene.resolution))
-        Preview(window, Session(scene, wishes.look(scene), wishes.settings, stem, path, rate)).run()
+    watch = Watch(source.path, lambda: _scene(replace(source), wishes))  # another source: one remembers what it read
+    scene = _scene(source, wishes)
+    window = open_window(f"{source.name} – Catoptric", wishes.resolution or _fitted(scene.resolution))
+    Preview(window, Session(scene, wishes.look(scene), wishes.settings, stem, path, rate), watch).run()
 
 
 def shoot(source: Source, wishes: Wishes, path: CameraPath, rate: int, out: Path, terminal: Terminal) -> None:
     """Write a film of the flight along `path`, without a window."""
-    with _scene(source, wishes) as scene:
-        size = wishes.resolution or scene.resolution
-        check_size(*size)
-        bar = terminal.bar(source.name)
-        prepared = Prepared(scene)
-        try:
-            film(prepared, wishes.look(scene), scene.camera, path, size, rate, out, bar.step("film", 0.0, 1.0))
-        finally:
-            call(prepared.release)
-        bar.finish()
-        terminal.say(str(out))
+    scene = _scene(source, wishes)
+    size = wishes.resolution or scene.resolution
+    check_size(*size)
+    bar = terminal.bar(source.name)
+    prepared = Prepared(scene)
+    try:
+        film(prepared, wishes.look(scene), scene.camera, path, size, rate, out, bar.step("film", 0.0, 1.0))
+    finally:
+        call(prepared.release)
+    bar.finish()
+    terminal.say(str(out))
 
 
-@contextmanager
-def _scene(source: Source, wishes: Wishes) -> Iterator[Scene]:
+def _scene(source: Source, wishes: Wishes) -> Scene:
     """The scene; a .blend file's by way of an archive, so that Blender and a window never share a process."""
     with tempfile.TemporaryDirectory() as folder:
         if source.needs_blender:
@@ -91,7 +91,7 @@ def _scene(source: Source, wishes: Wishes) -> Iterator[Scene]:
     require_reflectors(scene)
     if wishes.lighting is Lighting.CYCLES and not any(instance.lightmap is not None for instance in scene.instances):
         raise SceneError(f"{source.name} holds no lightmaps: export it with --lighting cycles")
-    yield scene
+    return scene
 
 
 def _exported(source: Source, wishes: Wishes, folder: Path) -> Archive:

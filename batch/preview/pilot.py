@@ -76,6 +76,15 @@ class Pilot:
         self._flight.jump(Pose.of(self._home.matrix))
         self.camera = self._home
 
+    def rehome(self, camera: Camera) -> None:
+        """The scene's camera is another one now. Who has flown away stays there, with the new lens."""
+        stays = self.camera is not self._home
+        self._home = self.camera = camera
+        if stays:
+            self._look_from(self._flight.pose)
+        else:
+            self._flight.jump(Pose.of(camera.matrix))
+
     def toggle_replay(self) -> None:
         """Play the path from its beginning, or stop; there must be one."""
         self.played = 0.0 if self.played is None else None

@@ -184,6 +184,15 @@ class Session:
         at = place and (place[0] * self.size[0], place[1] * self.size[1])
         self.sight = self._looker.look(self.pilot.camera, self.size, at) if at else None
 
+    def take(self, scene: Scene) -> None:
+        """Go on with another state of the scene, from where the camera is."""
+        self.workshop.restage(scene)
+        self.pilot.rehome(scene.camera)
+        self._looker, self.sight = Looker(scene), None
+        self.lightings, self._given_up = _lightings(scene), False
+        if self.look.lighting not in self.lightings:
+            self.light(self.lightings[0])
+
     # What follows from it
 
     def work(self) -> bool:

@@ -8,14 +8,16 @@ import moderngl_window
 import pyglet
 from moderngl_window.context.base import BaseWindow
 
-from ...addon.errors import Cancelled, MachineError
+from ...addon.errors import Cancelled, CatoptricError, MachineError
 from ...addon.gl import adopt
 from . import hud
+from .capture import Capture
 from .darkroom import shown_as
 from .display import Display
 from .interface import Interface
 from .pilot import turn_per_pixel
 from .session import Session
+from .watch import Watch
 
 _BACKEND = "pyglet"
 _FRAME = 1 / 60  # seconds between two pictures of a progress bar, and between two looks for events
@@ -55,13 +57,15 @@ def open_window(title: str, size: tuple[int, int]) -> BaseWindow:
 class Preview:
     """Shows a session in a window until it is closed."""
 
-    def __init__(self, window: BaseWindow, session: Session) -> None:
-        """Connect the two."""
+    def __init__(self, window: BaseWindow, session: Session, watch: Watch | None = None) -> None:
+        """Connect the two; `watch` tells when the scene's file was saved again."""
         self._window, self._session = window, session
         self._display, self._interface = Display(), Interface(window)
+        self._watch, self._capture = watch, Capture(window)
         self._names = {getattr(window.keys, theirs): ours for ours, theirs in _KEYS.items()}
         self._shift = (window.keys.LEFT_SHIFT, window.keys.RIGHT_SHIFT)
         self._cursor: tuple[float, float] | None = None
+        self._pressed = (0.0, 0.0)
         self._grip: Callable[[float, float, float, float], None] | None = None
         self._fresh = _AFTERGLOW
         self._drawn_at = time.perf_counter()
@@ -83,7 +87,7 @@ class Preview:
         window.resize_func = self._woken(lambda width, height: None)
         window.iconify_func = self._woken(lambda iconified: None)
         for ours in pyglet.app.windows:  # moderngl-window does not tell
-            ours.push_handlers(on_deactivate=self._session.pilot.held.clear)
+            ours.push_handlers(on_deactivate=self._let_go)
 
     def run(self) -> None:
         """Live until the window closes."""
@@ -96,12 +100,15 @@ class Preview:
         finally:
             self._session.workshop.release()
             self._window.close()
+            if self._watch:
+                self._watch.close()
 
     def _live(self, seconds: float) -> None:
         session = self._session
         session.size = tuple(max(1, side) for side in self._window.buffer_size)
         moved = session.pilot.is_moving or session.pilot.recorder is not None
         session.pilot.advance(seconds)
+        self._look_for_news()
         if session.work() or moved:
             self._fresh = _AFTERGLOW
         else:
@@ -112,6 +119,22 @@ class Preview:
             time.sleep(_FRAME if time.perf_counter() - self._drawn_at < 1.0 else _NAP)
             for window in pyglet.app.windows:
                 window.dispatch_events()
+
+    def _look_for_news(self) -> None:
+        """Take in the scene where its file was saved again."""
+        if self._watch is None:
+            return
+        was_reading = self._watch.is_reading
+        try:
+            scene = self._watch.news()
+            if scene is not None:
+                self._session.take(scene)
+        except CatoptricError as problem:
+            self._session.message = str(problem)
+        if self._watch.is_reading and not was_reading:
+            self._session.message = "the file was saved again; reading it"
+        if self._watch.is_reading != was_reading:
+            self._fresh = _AFTERGLOW
 
     def _pump(self) -> None:
         """The window's life while something takes long. Raises `Cancelled` once it is closed."""
@@ -184,6 +207,10 @@ class Preview:
         self._interface.point(x, y)
 
     def _on_drag(self, x, y, dx, dy) -> None:
+        if self._capture.holds:
+            self._fresh = _AFTERGLOW
+            self._turn(*self._capture.moved(dx, dy))
+            return
         self._on_move(x, y, dx, dy)
         if self._grip:
             self._grip(x, y, dx, dy)
@@ -192,14 +219,23 @@ class Preview:
         self._on_move(x, y, 0, 0)
         self._interface.click(button, True)
         if not self._interface.wants_mouse:
+            self._pressed = x, y
             line = self._session.look.split * self._window.width
             on_line = self._session.look.right is not None and abs(x - line) <= _GRIP
             self._grip = self._drag_line if on_line else self._drag_view
 
     def _on_release(self, x, y, button) -> None:
-        self._on_move(x, y, 0, 0)
+        if not self._capture.holds:
+            self._on_move(x, y, 0, 0)
         self._interface.click(button, False)
         self._grip = None
+        self._capture.end()
+
+    def _let_go(self) -> None:
+        """Another window has the keys and the mouse now."""
+        self._session.pilot.held.clear()
+        self._grip = None
+        self._capture.end()
 
     def _on_scroll(self, x, y) -> None:
         self._fresh = _AFTERGLOW
@@ -213,5 +249,9 @@ class Preview:
         self._session.divide(x / self._window.width)
 
     def _drag_view(self, x, y, dx, dy) -> None:
+        self._capture.begin(*self._pressed)
+        self._turn(dx, dy)
+
+    def _turn(self, dx, dy) -> None:
         radians = turn_per_pixel(self._session.pilot.camera, self._window.size)
         self._session.pilot.turn(dx * radians, dy * radians)

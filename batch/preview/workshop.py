@@ -50,6 +50,11 @@ class Workshop:
         self._painted: Subject | None = None
         self._stopped = False
 
+    def restage(self, scene: Scene) -> None:
+        """Go on with another scene; the old picture is shown until there is one of the new."""
+        self.prepared.release()
+        self.prepared, self.settled, self._painted = Prepared(scene), None, None
+
     def stop(self) -> None:
         """Have what takes long raise `Cancelled`."""
         self._stopped = self.busy is not None
