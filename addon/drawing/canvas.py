@@ -28,6 +28,7 @@ class Canvas:
         self.size = (width, height)
         self.visibility = Visibility(width, height, stencil)
         self.color = context.texture(self.size, 4, dtype="f4")
+        self.color.repeat_x = self.color.repeat_y = False  # where a mirror looks it up, smaller
         self.distance = context.texture(self.size, 1, dtype="f4")
         self.reflection = context.texture(self.size, 4, dtype="f4") if apart else None
         self._spare = context.texture(self.size, 1, dtype="f4") if apart else None  # distances that count for nothing

@@ -24,8 +24,8 @@ class Part(Enum):
 class Visibility:
     """A picture of (instance + 1, triangle), (0, 0) where the world is seen. Lives on the GL thread.
 
-    `parts` is a depth buffer of the same size for a target's attachment, by which passes over a `Part` are
-    spared all other pixels; the target then needs a `depth_mask` of False.
+    `depth` is the depth buffer of what is seen. `parts` is one for a target's attachment as well, by which passes
+    over a `Part` are spared all other pixels. A target that has either needs a `depth_mask` of False.
     """
 
     def __init__(self, width: int, height: int, stencil: bool = False) -> None:
@@ -34,10 +34,10 @@ class Visibility:
         self.size = (width, height)
         self.texture = context.texture(self.size, 2, dtype="u4")
         self.texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        self._depth = depth_stencil(self.size) if stencil else context.depth_renderbuffer(self.size)
-        self._target = context.framebuffer([self.texture], self._depth)
+        self.depth = depth_stencil(self.size) if stencil else context.depth_renderbuffer(self.size)
+        self._target = context.framebuffer([self.texture], self.depth)
         if stencil:
-            attach_stencil(self._target, self._depth)
+            attach_stencil(self._target, self.depth)
         self.parts = context.depth_renderbuffer(self.size)
         self._mask = context.framebuffer([], self.parts)
         self._mark = program(None, "visibility/parts.frag")
@@ -93,7 +93,7 @@ class Visibility:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self._target, self.texture, self._depth, self._mask, self.parts):
+        for part in (self._target, self.texture, self.depth, self._mask, self.parts):
             part.release()
 
 

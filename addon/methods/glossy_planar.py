@@ -10,7 +10,7 @@ from ..gl import require
 from ..parameters import Parameter, Value
 from ..progress import Progress
 from .contract import View
-from .mirrors import Registration
+from .mirrors import Mirror, Registration
 from .planar import ANGLE, DEPTH, GAP, PICTURE_UNIT, Picture, Planar
 
 _FAR = 1e30
@@ -63,7 +63,7 @@ class GlossyPlanar(Planar):
         super().bake(progress)
         self._depth_pass = ScreenPass("glossy/depth.frag", self.resident, Part.SURFACES)
 
-    def registration(self, view: View, screen: tuple[int, int]) -> Registration:
+    def registration(self, mirror: Mirror, view: View, screen: tuple[int, int]) -> Registration:
         """With a margin, unless it is a mirror in a mirror."""
         if view.mirrored:
             return Registration(screen)

@@ -24,12 +24,14 @@ _TOUCH = 1e-5
 class Mirror:
     """A flat part of a reflector.
 
-    `instance` is its index, `part` the number of the part from 1 on; `plane` (4,) float64 unit normal and offset
-    in the world; `points` (N, 3) float64 its corners, `outline` (M, 3) those of its convex hull, in order.
+    `instance` is its index, `part` the number of the part from 1 on, `material` the index of the one that most of
+    it has; `plane` (4,) float64 unit normal and offset in the world; `points` (N, 3) float64 its corners, `outline`
+    (M, 3) those of its convex hull, in order.
     """
 
     instance: int
     part: int
+    material: int
     plane: np.ndarray
     points: np.ndarray
     outline: np.ndarray
@@ -93,8 +95,10 @@ def mirrors_of(scene: Scene, index: int, parts: FlatParts) -> list[Mirror]:
     positions = mesh.positions.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
     mirrors = []
     for number, plane in enumerate(parts.planes):
-        points = positions[np.unique(mesh.triangles[parts.part == number])]
-        mirrors.append(Mirror(index, number + 1, plane, points, _outline(points, plane)))
+        members = np.flatnonzero(parts.part == number)
+        points = positions[np.unique(mesh.triangles[members])]
+        material = scene.instances[index].materials[np.bincount(mesh.slots[members]).argmax()]
+        mirrors.append(Mirror(index, number + 1, material, plane, points, _outline(points, plane)))
     return mirrors
 
 

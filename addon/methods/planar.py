@@ -199,14 +199,14 @@ class Planar(DeferredMethod):
         self._bind_mirror(self._mark, mirror.instance, mirror.part)
         screen(self._mark).render(vertices=3)
 
-    def registration(self, view: View, screen: tuple[int, int]) -> Registration:
-        """How large the mirrored pictures of a view are, and how they lie on its screen."""
+    def registration(self, mirror: Mirror, view: View, screen: tuple[int, int]) -> Registration:
+        """How large a mirror's picture is in a view, and how it lies on its screen."""
         softened = self.clipping is Clipping.PROJECTIVE_TEXTURE and not view.mirrored
         return Registration(screen, self.settings["scale"] if softened else 1)
 
     def _look_into(self, mirror: Mirror, bounds: Bounds, view: View, seen: Visibility, offset) -> "Picture":
         """What the mirror shows, at its place on the screen."""
-        lies = self.registration(view, seen.size)
+        lies = self.registration(mirror, view, seen.size)
         canvas = self._canvas(view.mirrored, lies.size)
         camera = lies.camera(mirrored(view.camera, mirror, self.scene))
         bounds = lies.bounds(bounds)

@@ -3,6 +3,7 @@
 from .deferred import DeferredMethod
 from .environment_map import EnvironmentMap, EnvironmentMapDynamic, EnvironmentMapParallax
 from .glossy_planar import GlossyPlanar
+from .glossy_planes import GlossyPlanes
 from .layered_depth import LayeredDepth
 from .layered_depth_published import LayeredDepthPublished
 from .planar import Planar
@@ -16,6 +17,7 @@ TECHNIQUES: dict[str, type[DeferredMethod]] = {
         LayeredDepthPublished,
         LayeredDepth,
         Planar,
+        GlossyPlanes,
         GlossyPlanar,
     )
 }

@@ -2,29 +2,7 @@
 
 #include "common/reflection.glsl"
 #include "planar/mirror.glsl"
-
-uniform sampler2D mirrored;             // radiance, as large as the picture or smaller
-uniform usampler2D mirrored_visibility; // of the same size
-uniform bool filtered;                  // the mirrored picture is smaller than ours
-uniform vec2 extent;                    // the part of it that our picture covers, around its middle
-
-// 0..1 over the mirrored picture.
-vec2 mirrored_place() {
-    return 0.5 + extent * (gl_FragCoord.xy / vec2(textureSize(visibility, 0)) - 0.5);
-}
-
-vec3 mirrored_radiance() {
-    return filtered ? texture(mirrored, mirrored_place()).rgb : texelFetch(mirrored, ivec2(gl_FragCoord.xy), 0).rgb;
-}
-
-// How far `ray` gets to the triangle that the mirrored picture shows here.
-float mirrored_distance(Ray ray) {
-    ivec2 place = ivec2(mirrored_place() * vec2(textureSize(mirrored_visibility, 0)));
-    uvec2 seen = texelFetch(mirrored_visibility, place, 0).xy;
-    if (seen.x == 0u) return FAR;
-    mat4x3 inward = world_to_object(int(seen.x) - 1);
-    return meet_plane(inward * vec4(ray.origin, 1.0), mat3(inward) * ray.direction, triangle_at(int(seen.y))).z;
-}
+#include "planar/mirrored.glsl"
 
 Mirrored mirrored_light(Surface s, vec3 direction) {
     if (!shows_mirror(s.at.instance, s.at.triangle)) discard;
