@@ -23,6 +23,17 @@ from .picture_files import save, strip
 _BROWSERS = ("chromium", "chromium-browser", "google-chrome", "chrome")
 
 
+def take_mirror_ball(folder: Path) -> None:
+    """What the README begins with: a mirror ball in light that Cycles has baked, by layered-depth."""
+    shot = folder / "mirror-ball.png"
+    if (
+        catoptric(["render", "mirror-ball", "--method", "layered-depth", "--lighting", "cycles", "--out", str(shot)])
+        != 0
+    ):
+        raise SystemExit("mirror-ball could not be rendered")
+    save(load_picture(shot), "mirror-ball.jpg")
+
+
 def take_methods(folder: Path) -> None:
     """A mirror ball by Cycles, and by every method that does not choose among the others."""
     _compare(folder, "mirror-ball", "--methods", ",".join(TECHNIQUES))
@@ -62,7 +73,7 @@ def _ball(path: Path) -> np.ndarray:
     return to_bytes(load_picture(path))[42:432, 189:579]
 
 
-PICTURES = {"methods": take_methods, "report": take_report, "blender": take_in_blender}
+PICTURES = {"mirror-ball": take_mirror_ball, "methods": take_methods, "report": take_report, "blender": take_in_blender}
 
 
 def main(names: list[str]) -> None:
