@@ -7,15 +7,19 @@ import bpy
 
 from ..methods.techniques import TECHNIQUES
 from . import stages
+from .texts import sentence, wrapped
 
 _SIZE = 12
+_LEFT = _BOTTOM = 12
+_OUTLINE = 6
+"""Of the shadows that blf offers, the one that can be read on any ground."""
 _handle = None
 
 
 def lines(stage: stages.Stage, viewer: object, show_times: bool) -> list[str]:
     """What there is to tell, from the bottom up."""
     studio = stage.studio
-    told = [text for text in (stage.problem, studio.problem) if text]
+    told = [sentence(text) for text in (stage.problem, studio.problem) if text]
     if studio.stage and studio.busy:
         told.append(f"{studio.stage}: {studio.fraction:.0%}")
     picture = studio.picture(viewer) if viewer else None
@@ -42,16 +46,22 @@ def _draw() -> None:
     if stage is None:
         return
     viewer = stage.viewers.get(context.region.as_pointer())
-    left, bottom = 12, 12
-    blf.size(0, _SIZE * context.preferences.system.ui_scale)
+    scale = context.preferences.system.ui_scale
+    blf.size(0, _SIZE * scale)
     blf.color(0, 1.0, 1.0, 1.0, 0.9)
     blf.enable(0, blf.SHADOW)
-    blf.shadow(0, 3, 0.0, 0.0, 0.0, 0.8)
-    step = 1.5 * _SIZE * context.preferences.system.ui_scale
-    for number, line in enumerate(lines(stage, viewer, scene.catoptric.show_times)):
-        blf.position(0, left, bottom + number * step, 0)
+    blf.shadow(0, _OUTLINE, 0.0, 0.0, 0.0, 0.8)
+    told = [wrapped(line, _room(context), scale) for line in lines(stage, viewer, scene.catoptric.show_times)]
+    for number, line in enumerate(row for rows in told for row in reversed(rows)):
+        blf.position(0, _LEFT, _BOTTOM + number * 1.5 * _SIZE * scale, 0)
         blf.draw(0, line)
     blf.disable(0, blf.SHADOW)
+
+
+def _room(context: bpy.types.Context) -> float:
+    """Pixels between the corner and the sidebar, which may lie over the region."""
+    sidebar = next((region.width for region in context.area.regions if region.type == "UI"), 0)
+    return context.region.width - sidebar - 2 * _LEFT
 
 
 def register() -> None:

@@ -37,15 +37,16 @@ class Viewport:
         picture = stage.studio.picture(self)
         if picture is None:
             return
-        start = time.perf_counter()
-        if self._shown is not picture:
+        start, is_new = time.perf_counter(), self._shown is not picture
+        if is_new:
             self._texture, self._shown = _texture(picture.pixels), picture
         gpu.state.blend_set("ALPHA_PREMULT")
         engine.bind_display_space_shader(scene)
         draw_texture_2d(self._texture, (0, 0), region.width, region.height)
         engine.unbind_display_space_shader()
         gpu.state.blend_set("NONE")
-        self.copy_ms = 1e3 * (time.perf_counter() - start)
+        if is_new:
+            self.copy_ms = 1e3 * (time.perf_counter() - start)
 
     def _ask(self, view: View, samples: int, develop: Develop) -> None:
         """A sample a pixel while anything moves, then a smooth picture."""

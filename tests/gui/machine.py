@@ -24,13 +24,17 @@ PACKAGES = (
     "libgl1-mesa-dri",
     "libegl1",
     "libegl-mesa0",
+    "mesa-vulkan-drivers",
+    "python3-gi",
+    "gir1.2-gtk-3.0",
     "python3-numpy",
     "python3-openimageio",
     "python3-requests",
     "python3-zstandard",
     "python3-cattr",
 )
-"""`TOOLS`, OpenGL in software, and the Python packages that Blender's own builds bring and Debian's recommends."""
+"""`TOOLS`, OpenGL and Vulkan in software, GTK to drag files from, and the Python packages that Blender's own builds
+bring and Debian's recommends."""
 
 SUITE = "sid"
 FOLDER_VARIABLE = "CATOPTRIC_GUI_ROOT"
@@ -45,7 +49,8 @@ mount -t proc proc "$ROOT/proc"
 mount --rbind /dev "$ROOT/dev"
 mkdir -p "$ROOT$SHARE"
 mount --bind "$SHARE" "$ROOT$SHARE"
-unset ROOT SHARE
+if [ -n "$SMALL_DISK" ]; then mount -t tmpfs -o size=256k none "$ROOT$SMALL_DISK"; fi
+unset ROOT SHARE SMALL_DISK
 exec chroot "$0" "$@"
 """
 
@@ -79,7 +84,7 @@ class Machine:
 
     def environment(self, **more: str) -> dict[str, str]:
         """The environment of such a process."""
-        common = {"LANG": "C.UTF-8"}
+        common = {"LANG": "C.UTF-8", "XDG_RUNTIME_DIR": str(self.share)}  # Blender looks there for Wayland
         if self.root is None:
             return os.environ | common | more
         path = "/usr/local/sbin:/usr/local/bin:/usr/sbin:/usr/bin:/sbin:/bin"

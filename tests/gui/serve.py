@@ -1,11 +1,13 @@
 """Runs inside Blender's window: takes Python from a socket, runs it between two of Blender's events, answers.
 
-Usage: blender --python serve.py -- SOCKET. A request is a text; the answer is (what it printed, traceback or None).
-The code finds `bpy` and `view3d()`.
+Usage: blender --python serve.py -- SOCKET MODULE, with the extension's module. A request is a text; the answer is
+(what it printed, traceback or None).
+The code finds `bpy`, `probe` and its `view3d()`.
 """
 
 import contextlib
 import io
+import os
 import queue
 import sys
 import threading
@@ -14,14 +16,10 @@ from multiprocessing.connection import Connection, Listener
 
 import bpy
 
+sys.path.append(os.path.dirname(os.path.abspath(__file__)))
+import probe  # it lies beside this file
+
 REQUESTS: queue.SimpleQueue = queue.SimpleQueue()
-
-
-def view3d() -> tuple:
-    """The first window and its 3D viewport: window, area, and its regions by type."""
-    window = bpy.context.window_manager.windows[0]
-    area = next(area for area in window.screen.areas if area.type == "VIEW_3D")
-    return window, area, {region.type: region for region in area.regions}
 
 
 def listen(address: str) -> None:
@@ -39,7 +37,7 @@ def answer(connection: Connection, code: str) -> None:
     said, failure = io.StringIO(), None
     with contextlib.redirect_stdout(said):
         try:
-            exec(compile(code, "<request>", "exec"), {"bpy": bpy, "view3d": view3d})
+            exec(compile(code, "<request>", "exec"), {"bpy": bpy, "probe": probe, "view3d": probe.view3d})
         except Exception:
             failure = traceback.format_exc()
     connection.send((said.getvalue(), failure))
@@ -53,6 +51,6 @@ def serve() -> float:
 
 
 bpy.context.preferences.view.show_splash = False
-threading.Thread(target=listen, args=(sys.argv[-1],), daemon=True).start()
+threading.Thread(target=listen, args=(sys.argv[-2],), daemon=True).start()
 # Persistent, so that opening a file does not end it.
 bpy.app.timers.register(serve, first_interval=0.5, persistent=True)
