@@ -85,7 +85,7 @@ Mirrored mirrored_light(Surface s, vec3 direction) {
     if (!shows_mirror(s.at.instance, s.at.triangle)) discard;
     float alpha = max(alpha_of(s), SHARP), nearest = FAR;
     mat3 frame = frame_of(s.normal);
-    vec3 view = -direction * frame, sum = vec3(0.0);
+    vec3 view = -direction * frame, sum = vec3(0.0), mirrored_share = vec3(0.0);
     for (int i = 0; i < rays; ++i) {
         vec2 u = random(i);
         vec3 facet = sample_half(view, alpha, u), light = reflect(-view, facet);
@@ -94,7 +94,12 @@ Mirrored mirrored_light(Surface s, vec3 direction) {
         vec2 place = follow(way_of(Ray(s.position, frame * light)), fract(u.x + 0.381966 * float(i)), t);
         vec3 kept = reflectance_at(s, clamp(dot(view, facet), 0.0, 1.0)) * passed_on(view, light, alpha);
         sum += kept * texture(mirrored, place).rgb;
+        mirrored_share += kept;
         if (i == 0) nearest = t;
     }
-    return Mirrored(sum / float(rays), nearest);
+    vec3 radiance = sum / float(rays);
+    // What lies under a dielectric was lit as if this were smooth, which mirrors more at grazing angles.
+    if (DIELECTRICS != 0 && s.fresnel == FRESNEL_DIELECTRIC)
+        radiance += (reflectance(s, direction) - mirrored_share / float(rays)) * scattered(s);
+    return Mirrored(radiance, nearest);
 }
