@@ -126,6 +126,9 @@ def camera_rays(camera: Camera, width: int, height: int) -> tuple[np.ndarray, np
     x = left + (np.arange(width) + 0.5) / width * (right - left)
     y = top - (np.arange(height) + 0.5) / height * (top - bottom)
     grid = np.stack([*np.meshgrid(x, y), -np.ones((height, width))], -1).reshape(-1, 3)
+    if camera.ortho_scale is not None:
+        origins = grid * (1.0, 1.0, 0.0) @ camera.matrix[:3, :3].T + camera.position
+        return origins, np.broadcast_to(-camera.matrix[:3, 2], origins.shape).copy()
     directions = grid @ camera.matrix[:3, :3].T
     directions /= np.linalg.norm(directions, axis=1, keepdims=True)
     return np.broadcast_to(camera.position, directions.shape).copy(), directions

@@ -2,11 +2,12 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass, replace
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
 from ..drawing import MOST_CUTS, Clipping, world_to_clip
-from ..scene import Camera, Instance, Scene
+from ..scene import Camera, Instance, Mesh, Scene
 from ..tracing import FlatParts, flat_parts
 from .situation import placed
 
@@ -16,8 +17,13 @@ MOST_PARTS = 8
 Bounds = tuple[int, int, int, int]
 """x, y, width and height in pixels; row 0 is at the bottom."""
 
+_LEAST_FLAT = 0.5
 _EDGE_ON = 1e-6
-_TOUCH = 1e-5
+_TOUCH = 1e-6
+"""Of the scene's extent: what a shader's floats leave of a plane."""
+
+_FOUND: "WeakKeyDictionary[Instance, tuple[tuple, FlatParts]]" = WeakKeyDictionary()
+"""What was asked of an instance last, and the answer."""
 
 
 @dataclass(frozen=True, eq=False)
@@ -25,8 +31,8 @@ class Mirror:
     """A flat part of a reflector.
 
     `instance` is its index, `part` the number of the part from 1 on, `material` the index of the one that most of
-    it has; `plane` (4,) float64 unit normal and offset in the world; `points` (N, 3) float64 its corners, `outline`
-    (M, 3) those of its convex hull, in order.
+    it has; `plane` (4,) float64 unit normal and offset in the world; `points` (N, 3) float64, whose convex hull holds
+    it; `outline` (M, 3) the corners of its own hull in the plane, in order, or `MOST_CUTS` and more of them.
     """
 
     instance: int
@@ -81,12 +87,34 @@ class Registration:
 
 
 def parts_of(scene: Scene, reflector: Instance, degrees: float, metres: float) -> FlatParts:
-    """The flat parts of what mirrors of a reflector, in world space."""
+    """The flat parts of what mirrors of a reflector, in world space; found once, as long as the instance lives."""
     mesh = scene.meshes[reflector.mesh]
-    mirrors = np.array([scene.materials[index].mirrors for index in reflector.materials])
+    mirrors = [scene.materials[index].mirrors for index in reflector.materials]
+    asked = mesh, mirrors, degrees, metres
+    if _FOUND.get(reflector, (None,))[0] != asked:
+        _FOUND[reflector] = asked, _parts_of(mesh, reflector, np.array(mirrors)[mesh.slots], degrees, metres)
+    return _FOUND[reflector][1]
+
+
+def _parts_of(mesh: Mesh, reflector: Instance, among: np.ndarray, degrees: float, metres: float) -> FlatParts:
     corners = mesh.corners.astype(np.float64) @ reflector.matrix[:3, :3].T + reflector.matrix[:3, 3]
     normals = mesh.normals.astype(np.float64) @ np.linalg.inv(reflector.matrix[:3, :3])
-    return flat_parts(corners, normals, mirrors[mesh.slots], degrees, metres, MOST_PARTS)
+    return flat_parts(corners, normals, among, degrees, metres, MOST_PARTS)
+
+
+def why_not_flat(scene: Scene, reflector: Instance, degrees: float, metres: float) -> str | None:
+    """None if at least half of what mirrors of a reflector is flat, else the reason, as `applies_to` gives it."""
+    if not np.isfinite(scene.meshes[reflector.mesh].normals).all():
+        return f"{reflector.name} has normals that are not numbers: have its mesh's normals recalculated"
+    share = parts_of(scene, reflector, degrees, metres).share
+    if np.isnan(share):
+        return f"{reflector.name} has no mirror-like face with an area: give it one, or a material that mirrors"
+    if share < _LEAST_FLAT:
+        return (
+            f"{reflector.name} is curved: {share:.0%} of it lies in few planes, within {degrees:g} degrees and "
+            f"{metres:g} m; layered-depth draws any shape"
+        )
+    return None
 
 
 def mirrors_of(scene: Scene, index: int, parts: FlatParts) -> list[Mirror]:
@@ -96,32 +124,36 @@ def mirrors_of(scene: Scene, index: int, parts: FlatParts) -> list[Mirror]:
     mirrors = []
     for number, plane in enumerate(parts.planes):
         members = np.flatnonzero(parts.part == number)
-        points = positions[np.unique(mesh.triangles[members])]
         material = scene.instances[index].materials[np.bincount(mesh.slots[members]).argmax()]
-        mirrors.append(Mirror(index, number + 1, material, plane, points, _outline(points, plane)))
+        belongs = np.zeros(len(positions), bool)
+        belongs[mesh.triangles[members]] = True
+        points = positions[belongs]
+        height = points @ plane[:3] + plane[3]
+        outline, beyond = _outline(points - height[:, None] * plane[:3], plane)
+        base = np.concatenate([outline, beyond])
+        prism = np.concatenate([base + height.min() * plane[:3], base + height.max() * plane[:3]])
+        mirrors.append(Mirror(index, number + 1, material, plane, prism, outline))
     return mirrors
 
 
-def _outline(points: np.ndarray, plane: np.ndarray) -> np.ndarray:
-    """Corners of the convex hull in the plane, in order (Andrew's monotone chain)."""
-    across = np.linalg.svd(plane[None, :3])[2][1:]
-    flat = points @ across.T
+def _outline(points: np.ndarray, plane: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Corners of the convex hull of points in the plane, in order; and the points that they do not hold.
+
+    From two corners on, the farthest point beyond each edge is one more, until none is left or `MOST_CUTS` are
+    found: an outline of so many edges is not cut by them.
+    """
+    flat = points @ np.linalg.svd(plane[None, :3])[2][1:].T
     order = np.lexsort(flat.T[::-1])
-    hull: list[int] = []
-    for walk in (order, order[::-1]):
-        chain: list[int] = []
-        for index in walk:
-            while len(chain) > 1 and _turn(flat[chain[-2]], flat[chain[-1]], flat[index]) <= 0.0:
-                chain.pop()
-            chain.append(int(index))
-        hull += chain[:-1]
-    return points[hull]
-
-
-def _turn(a: np.ndarray, b: np.ndarray, c: np.ndarray) -> float:
-    """Positive where a path turns left at `b`, by clearly more than rounding."""
-    ab, ac = b - a, c - a
-    return float(ab[0] * ac[1] - ab[1] * ac[0]) - 1e-9 * float(np.abs(ab).max() * np.abs(ac).max())
+    corners, limit = order[[0, -1]], 1e-9 * float(np.ptp(flat, axis=0).max(initial=0.0))
+    while True:
+        start, end = flat[corners], flat[np.roll(corners, -1)]
+        (x, y), length = (end - start).T, np.linalg.norm(end - start, axis=1)
+        outward = np.stack([y, -x], axis=1) / np.maximum(length, 1e-30)[:, None]
+        beyond = flat @ outward.T - (outward * start).sum(axis=1)
+        further = np.flatnonzero(beyond.max(axis=0) > limit)
+        if not len(further) or len(corners) >= MOST_CUTS:
+            return points[corners], points[(beyond > limit).any(axis=1)]
+        corners = np.insert(corners, further + 1, beyond[:, further].argmax(axis=0))
 
 
 def reflection_matrix(plane: np.ndarray) -> np.ndarray:
@@ -152,7 +184,8 @@ def mirrored(camera: Camera, mirror: Mirror, scene: Scene) -> Camera:
     at = placed(scene)
     corners = np.maximum(np.abs(at.low - matrix[:3, 3]), np.abs(at.high - matrix[:3, 3]))
     depths = -((mirror.points - camera.position) @ camera.matrix[:3, 2])
-    near = max(camera.near, 0.99 * float(depths.min()))
+    nearest = float(depths.min())
+    near = max(camera.near, nearest - 0.01 * abs(nearest))
     return replace(
         camera, matrix=matrix, near=near, far=max(2.0 * near, 1.01 * float(np.linalg.norm(corners, axis=1).max()))
     )
@@ -173,11 +206,12 @@ def seen_within(camera: Camera, mirror: Mirror, size: tuple[int, int], bounds: B
     return None if (high_end <= low).any() else (*map(int, low), *map(int, high_end - low))
 
 
-def cut_at(plane: np.ndarray, scene: Scene) -> np.ndarray:
-    """A mirror's plane, moved towards the viewer by so little that the mirror itself is behind it."""
+def cut_at(mirror: Mirror, scene: Scene) -> np.ndarray:
+    """A mirror's plane, moved towards the viewer by so little that the mirror itself, even if uneven, is behind it."""
     at = placed(scene)
     reach = max(float(np.abs(at.low).max()), float(np.abs(at.high).max()))
-    return plane - np.array([0.0, 0.0, 0.0, _TOUCH * (1.0 + reach)])
+    height = max(0.0, float((mirror.points @ mirror.plane[:3] + mirror.plane[3]).max()))
+    return mirror.plane - np.array([0.0, 0.0, 0.0, height + _TOUCH * (1.0 + reach)])
 
 
 def before(plane: np.ndarray, mirror: Mirror) -> bool:

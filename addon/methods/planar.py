@@ -38,10 +38,10 @@ from .mirrors import (
     reached,
     seen_within,
     towards,
+    why_not_flat,
 )
 
 _SECTION = "Advanced Graphics Programming Using OpenGL, 17.1.2"
-_LEAST_FLAT = 0.5
 _PARTS_UNIT = FREE_UNIT + 1
 PICTURE_UNIT = FREE_UNIT + 2
 
@@ -136,14 +136,12 @@ class Planar(DeferredMethod):
     @classmethod
     def applies_to(cls, scene: Scene, reflector: Instance) -> str | None:
         """Whether at least half of the reflector is flat."""
-        share = parts_of(scene, reflector, ANGLE.default, GAP.default).share
-        if share >= _LEAST_FLAT:
-            return None
-        return f"{reflector.name} is curved: {share:.0%} of it lies in few planes; layered-depth draws any shape"
+        return why_not_flat(scene, reflector, ANGLE.default, GAP.default)
 
     def cast(self, scene: Scene) -> Cast:
         """The flat reflectors; layered-depth takes those that are curved."""
-        flat = tuple(i for i in scene.reflectors if self.applies_to(scene, scene.instances[i]) is None)
+        tolerances = self.settings["angle"], self.settings["gap"]
+        flat = tuple(i for i in scene.reflectors if why_not_flat(scene, scene.instances[i], *tolerances) is None)
         curved = tuple(index for index in scene.reflectors if index not in flat)
         return {self: flat, **({LayeredDepth(): curved} if curved else {})}
 
@@ -210,7 +208,7 @@ class Planar(DeferredMethod):
         canvas = self._canvas(view.mirrored, lies.size)
         camera = lies.camera(mirrored(view.camera, mirror, self.scene))
         bounds = lies.bounds(bounds)
-        cut = cut_at(mirror.plane, self.scene)
+        cut = cut_at(mirror, self.scene)
         opening = Opening(
             bounds,
             clipped_by(self.clipping, mirror, camera, cut),

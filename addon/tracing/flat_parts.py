@@ -4,13 +4,20 @@ from dataclasses import dataclass
 
 import numpy as np
 
+_TRIES = 4
+"""Planes that are tried for each that is wanted, since the largest triangles need not lie in the largest part."""
+
+_ROUNDING = 1e-12
+"""Of cosines near 1; as much as 0.0001° make."""
+
 
 @dataclass(frozen=True, eq=False)
 class FlatParts:
     """Which triangles lie in which plane.
 
     `part` (T,) int32, -1 for a triangle in none; `planes` (P, 4) float64, unit normal and offset, so that
-    points with normal · point + offset = 0 lie in it; `share` 0..1, of the area that was asked about.
+    points with normal · point + offset = 0 lie in it; `share` 0..1, of the area that was asked about, NaN where
+    there is none.
     """
 
     part: np.ndarray
@@ -21,34 +28,37 @@ class FlatParts:
 def flat_parts(
     corners: np.ndarray, normals: np.ndarray, among: np.ndarray, degrees: float, metres: float, most: int
 ) -> FlatParts:
-    """The `most` largest flat parts, found greedily from the largest triangle on.
+    """The `most` largest flat parts, largest first, of those found greedily from the largest triangles on.
 
     `corners` (T, 3, 3) metres; `normals` (T, 3, 3) shading normals, which must agree with the plane as well,
     since they say where light goes; `among` (T,) bool, the triangles that count. A triangle belongs to a plane
     if it and its normals turn away from it by at most `degrees`, and its corners lie within `metres`.
-    Triangles face either way; parts need not hang together: one plane makes one mirror image.
+    Triangles face either way; parts need not hang together: one plane makes one mirror image. What has no area,
+    or a corner or normal that is not a number, counts for nothing.
     """
     corners = np.asarray(corners, np.float64)
     across = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     areas = np.where(among, 0.5 * np.linalg.norm(across, axis=1), 0.0)
     areas[~np.isfinite(areas) | ~np.isfinite(normals).all(axis=(1, 2))] = 0.0
     shading = normals / np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-30)
-    part = np.full(len(corners), -1, np.int32)
-    planes = []
-    left = areas.copy()
-    for number in range(most):
-        seed = int(left.argmax()) if len(left) else 0
-        if not len(left) or left[seed] <= 0.0:
-            break
-        within = _within(_plane(across[seed], corners[seed]), corners, across, areas, shading, degrees, metres)
-        within = (within & (left > 0.0)) | (np.arange(len(left)) == seed)
-        turned = np.sign(across[within] @ across[seed])[:, None] * across[within]
-        planes.append(_plane(turned.sum(axis=0), np.average(corners[within], axis=0, weights=areas[within])))
-        part[within] = number
+    left = np.where(_even(across, areas, shading, degrees), areas, 0.0)
+    found: list[tuple[float, np.ndarray]] = []
+    while len(found) < _TRIES * most and left.any():
+        seed = int(left.argmax())
+        plane = _plane(across[seed], corners[seed])
+        candidates = np.flatnonzero((left > 0.0) & _level(across, areas, plane, degrees))
+        lies = _within(plane, corners[candidates], shading[candidates], degrees, metres)
+        within = np.union1d(candidates[lies], seed)
+        found.append((float(left[within].sum()), within))
         left[within] = 0.0
-    total = areas.sum()
-    share = float(areas[part >= 0].sum() / total) if total > 0.0 else 0.0
-    return FlatParts(part, np.array(planes, np.float64).reshape(-1, 4), share)
+    found.sort(key=lambda each: -each[0])
+    part, planes = np.full(len(corners), -1, np.int32), np.zeros((min(most, len(found)), 4))
+    for number, (_, within) in enumerate(found[:most]):
+        part[within] = number
+        turned = np.sign(across[within] @ across[within[0]])[:, None] * across[within]
+        planes[number] = _plane(turned.sum(axis=0), np.average(corners[within], axis=0, weights=areas[within]))
+    total, loose = areas.sum(), areas[part < 0].sum()
+    return FlatParts(part, planes, float(1.0 - loose / total) if total > 0.0 else np.nan)
 
 
 def _plane(normal: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -56,10 +66,22 @@ def _plane(normal: np.ndarray, points: np.ndarray) -> np.ndarray:
     return np.array([*normal, -float(normal @ points.mean(axis=0))])
 
 
-def _within(plane, corners, across, areas, shading, degrees: float, metres: float) -> np.ndarray:
-    """(T,) bool: which triangles lie in the plane."""
-    least = np.cos(np.radians(degrees))
+def _even(across, areas, shading, degrees: float) -> np.ndarray:
+    """(T,) bool: whose shading normals agree with the triangle itself."""
+    along = np.abs(np.einsum("tcx,tx->tc", shading, across)).min(axis=1)
+    return along >= 2.0 * areas * _least_cosine(degrees)
+
+
+def _level(across, areas, plane, degrees: float) -> np.ndarray:
+    """(T,) bool: which triangles are turned as the plane is."""
+    return np.abs(across @ plane[:3]) >= 2.0 * areas * _least_cosine(degrees)
+
+
+def _within(plane, corners, shading, degrees: float, metres: float) -> np.ndarray:
+    """(T,) bool: which triangles' corners are near to the plane, and their normals turned as it is."""
     near = np.abs(corners @ plane[:3] + plane[3]).max(axis=1) <= metres
-    level = np.abs(across @ plane[:3]) >= 2.0 * areas * least
-    even = (np.abs(shading @ plane[:3]) >= least).all(axis=1)
-    return near & level & even
+    return near & (np.abs(shading @ plane[:3]) >= _least_cosine(degrees)).all(axis=1)
+
+
+def _least_cosine(degrees: float) -> float:
+    return float(np.cos(np.radians(degrees))) - _ROUNDING
