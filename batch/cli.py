@@ -117,6 +117,24 @@ def render(
 
 
 @app.command()
+def plates(
+    scene: Annotated[str, typer.Argument(metavar="[SCENE]", help="As for `render`.")] = "cathedral",
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the pictures and plates.html.")] = Path("plates"),
+    lighting: Annotated[
+        Lighting, typer.Option(help="cycles: diffuse light baked by Cycles; direct: lamps with shadows.")
+    ] = Lighting.CYCLES,
+    resolution: Size = None,
+    samples: Annotated[int, typer.Option(min=2, help="Cycles' samples a pixel; the plates get a quarter.")] = 64,
+    reference: Annotated[bool, typer.Option("--reference", help="Show Cycles' pictures beside the plates.")] = False,
+) -> int:
+    """Draw the plates of the paper on glossy planar reflections, with ours beside them."""
+    size = parse_resolution(resolution) if resolution is not None else None
+    with Terminal() as terminal:
+        tasks.draw_plates(locate(scene), lighting, samples, out, terminal, size, reference)
+    return 0
+
+
+@app.command()
 def bake(
     scene: SceneName,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the layered depth textures.")],

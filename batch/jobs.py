@@ -14,8 +14,10 @@ from ..addon.methods.registry import METHODS
 from ..addon.parameters import Value
 from ..addon.progress import Progress, part_of, silent
 from ..addon.scene import Lighting, Scene
+from . import plates
 from .judging import Shot, supersampling
 from .machine import check_size, describe, own_version
+from .pictures import plates_folder
 from .progress import Bar, Terminal
 from .report import write_report
 from .results import Result, Results, Skipped, Times
@@ -26,6 +28,7 @@ SAMPLES = {Lighting.UNLIT: 64, Lighting.CYCLES: 256, Lighting.DIRECT: 128}
 
 _LONGEST_SIDE = 768
 _LEAST_LIGHT = 32  # samples of a texel; denoised, and seen from every pixel around
+_PLATES_SIDE = 3  # samples along a side of a pixel, for pictures that are only looked at
 _LIT, _JUDGED = 0.1, 0.6
 """Where on a scene's bar the light is ready, and the reference."""
 
@@ -131,8 +134,20 @@ class _Comparison:
             row = self._peer if name in self.job.peers else self._method
             try:
                 row(source, shot, name, bar.step(name, float(start), float(end)))
+                if name == plates.PUBLISHED:
+                    self._draw_plates(shot, bar.step("plates", float(end), float(end)))
             except CatoptricError as error:
                 self._skip(self._not_measured(shot, name, str(error), error=True))
+
+    def _draw_plates(self, shot: Shot, progress: Progress) -> None:
+        """The paper's plates of what was measured; without light there is nothing to show."""
+        measured = self.results.find(scene=shot.name, frame=shot.scene.frame, method=plates.PUBLISHED)
+        if measured is None or shot.lighting is Lighting.UNLIT:
+            return
+        folder = plates_folder(shot.name, shot.scene.frame, str(shot.lighting))
+        truths = {} if shot.reference is None else {True: shot.reference}
+        sitting = plates.Sitting(shot.name, shot.scene, shot.lighting, shot.size, min(shot.side, _PLATES_SIDE))
+        plates.draw(sitting, self.job.out / folder, truths, progress)
 
     def _stage(self, source: Source, frame: int, bar: Bar) -> Shot:
         scene = source.scene(frame, bar.step("scene", 0.0, 0.05))

@@ -20,14 +20,17 @@ def save_exr(path: Path, linear: np.ndarray, metadata: Mapping[str, str] | None 
     _write(path, np.ascontiguousarray(pixels, np.float32), "half" if half else "float", attributes)
 
 
-def save_png(path: Path, linear: np.ndarray) -> None:
+def save_png(path: Path, linear: np.ndarray, caption: str = "") -> None:
     """Write `linear` (H, W, 3) as a screen shows it: clamped to 0..1, sRGB-encoded, 8 bits a channel."""
-    save_bytes(path, to_bytes(linear))
+    save_bytes(path, to_bytes(linear), caption)
 
 
-def save_bytes(path: Path, colors: np.ndarray) -> None:
-    """Write `colors` (H, W, 3) uint8, sRGB-encoded, as PNG or JPEG by the ending of `path`."""
-    _write(path, np.ascontiguousarray(colors), "uint8", {"oiio:ColorSpace": "sRGB", "Compression": "jpeg:82"})
+def save_bytes(path: Path, colors: np.ndarray, caption: str = "") -> None:
+    """Write `colors` (H, W, 3) uint8, sRGB-encoded, as PNG or JPEG by the ending of `path`, with a caption in it."""
+    attributes = {"oiio:ColorSpace": "sRGB", "Compression": "jpeg:82"}
+    if caption:
+        attributes["ImageDescription"] = caption
+    _write(path, np.ascontiguousarray(colors), "uint8", attributes)
 
 
 def load_picture(path: Path) -> np.ndarray:
@@ -54,6 +57,11 @@ def image_paths(scene: str, frame: int, lighting: str, method: str) -> Images:
         reference=f"{stem}-reference.exr",
         flip=f"{stem}-{_slug(method)}-flip.png",
     )
+
+
+def plates_folder(scene: str, frame: int, lighting: str) -> str:
+    """Where the paper's plates of a scene lie, relative to the folder of the report."""
+    return f"plates/{_slug(scene)}/{_slug(lighting)}-{frame:04d}"
 
 
 def save_images(

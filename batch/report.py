@@ -11,7 +11,8 @@ import numpy as np
 from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ..addon.metrics import MAGMA, Figures, PictureError
-from .pictures import load_picture
+from .pictures import load_picture, plates_folder
+from .plates_page import FILE_NAME as PLATES
 from .report_pictures import pack_flip, pack_picture, thumbnail, window_of_interest
 from .results import Result, Results, atomically
 
@@ -71,7 +72,8 @@ SCOPES = {"over_reflectors": "reflectors", "over_frame": "whole frame"}
 class Comparison:
     """All methods in one frame of one scene under one lighting; pictures are data for the page, by method.
 
-    The reference, where there is one, is the picture of the method "".
+    The reference, where there is one, is the picture of the method "". `plates` is where the page of the paper's
+    plates lies, if there is one.
     """
 
     number: int
@@ -80,6 +82,7 @@ class Comparison:
     flips: dict[str, str] = field(default_factory=dict)
     thumbnails: dict[str, str] = field(default_factory=dict)
     problems: list[str] = field(default_factory=list)
+    plates: str | None = None
 
     @property
     def first(self) -> Result:
@@ -125,6 +128,7 @@ def write_report(results: Results, directory: Path, limit: int = EMBEDDED_LIMIT)
     directory = Path(directory)
     comparisons = _comparisons(results.results)
     for comparison in comparisons:
+        comparison.plates = _plates(comparison.first, directory)
         limit -= _embed(comparison, directory, limit)
     environment = Environment(
         loader=FileSystemLoader(_TEMPLATES),
@@ -165,6 +169,11 @@ def _comparisons(results: list[Result]) -> list[Comparison]:
 def _least_error(group: list[Result]) -> float:
     """The least FLIP over the reflectors, -1 where nothing was judged: of such scenes nothing is known."""
     return min((result.over_reflectors.flip for result in group if result.over_reflectors.flip is not None), default=-1)
+
+
+def _plates(result: Result, directory: Path) -> str | None:
+    page = f"{plates_folder(result.scene, result.frame, result.lighting)}/{PLATES}"
+    return page if (directory / page).is_file() else None
 
 
 def _embed(comparison: Comparison, directory: Path, limit: int) -> int:

@@ -15,7 +15,9 @@ from ..addon.methods.registry import named
 from ..addon.parameters import Value
 from ..addon.scene import Camera, Lighting, Scene
 from ..addon.scene.archive import EXTENSION, save
-from .jobs import lit, require_reflectors
+from . import plates
+from .jobs import fitted, lit, require_reflectors
+from .judging import supersampling
 from .machine import check_size
 from .options import parse_names
 from .pictures import save_exr, save_png
@@ -100,6 +102,49 @@ def reference(
         )
     save_exr(out, shown.color)
     bar.finish()
+
+
+def draw_plates(
+    source: Source,
+    lighting: Lighting,
+    samples: int,
+    out: Path,
+    terminal: Terminal,
+    resolution: tuple[int, int] | None = None,
+    judged: bool = False,
+) -> None:
+    """Write the paper's plates of the scene to the folder `out`; `judged`: with Cycles' pictures beside them."""
+    if lighting is Lighting.UNLIT:
+        raise UsageError("--lighting unlit: a mirror without light is a perfect one; take cycles or direct")
+    if resolution:
+        check_size(*resolution)
+    if judged and not source.needs_blender:
+        raise UsageError("--reference: Cycles cannot render an archive; name its .blend file")
+    bar = terminal.bar(source.name)
+    scene = _scene(source, lighting, None, terminal, bar)
+    plates.check(scene)
+    size = resolution or fitted(scene.resolution)
+    truths = _truths(source, scene, lighting, size, samples, bar) if judged else {}
+    sitting = plates.Sitting(source.name, scene, lighting, size, supersampling(samples))
+    page = plates.draw(sitting, out, truths, bar.step("plates", 0.8, 1.0))
+    bar.finish()
+    terminal.say(str(page))
+
+
+def _truths(source: Source, scene: Scene, lighting: Lighting, size: tuple[int, int], samples: int, bar: Bar) -> dict:
+    """Cycles' pictures of the floor without its texture and with it."""
+    from ..addon.blender.plain_base import plain_base
+    from ..addon.blender.reference import render_reference
+
+    plain, truths = plates.without_texture(scene), {}
+    changed = zip(scene.materials, plain.materials, strict=True)
+    colors = {after.name: after.base.color for before, after in changed if before is not after}
+    for number, (textured, shown) in enumerate({False: plain, True: scene}.items()):
+        step = bar.step("reference", 0.6 + 0.1 * number, 0.7 + 0.1 * number)
+        with plain_base({} if textured else colors):
+            taken = render_reference(source.bpy_scene, shown, lighting, *size, samples, Cache(), step)
+        truths[textured] = taken.color
+    return truths
 
 
 def _draw_regions(scene: Scene, path: Path) -> Removed:

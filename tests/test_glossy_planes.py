@@ -10,7 +10,7 @@ from catoptric.addon.methods.attenuation_planes import attenuation, parallel_pla
 from catoptric.addon.methods.contract import View
 from catoptric.addon.methods.gloss import fresnel, lobe_angle_of_roughness
 from catoptric.addon.methods.glossy_darkroom import KERNEL_SPREAD
-from catoptric.addon.methods.glossy_planes import GlossyPlanes, mean_roughness
+from catoptric.addon.methods.glossy_planes import GlossyPlanes
 from catoptric.addon.methods.planar import Planar
 from catoptric.addon.scene import (
     BLACK,
@@ -25,6 +25,7 @@ from catoptric.addon.scene import (
     Scene,
     World,
     grey,
+    mean_roughness,
 )
 
 from .stage import Judge, camera_rays, looking, mesh_of, mirrored, placed

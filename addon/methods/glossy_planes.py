@@ -10,7 +10,7 @@ import numpy as np
 from ..drawing import Canvas, Clipping, Visibility
 from ..parameters import Parameter
 from ..progress import Progress
-from ..scene import Camera, Fresnel, Lighting, Material, Scene
+from ..scene import Camera, Fresnel, Lighting, mean_roughness
 from .attenuation_planes import AttenuationPlanes, parallel_planes, tilted_planes
 from .contract import View
 from .gloss import lobe_angle_of_roughness
@@ -229,24 +229,6 @@ class GlossyPlanes(Planar):
         """Give the pictures back."""
         self._darkroom.release()
         super().free()
-
-
-def mean_roughness(scene: Scene, material: Material) -> float:
-    """Blender's roughness of a material, 0 to 1; where an image gives it, the mean over the image."""
-    source = material.roughness
-    color = np.array(source.color, np.float64)
-    if source.image is not None:
-        color = color * _mean_color(scene, source.image)
-    return float(np.clip(color @ (0.2126, 0.7152, 0.0722), 0.0, 1.0))
-
-
-def _mean_color(scene: Scene, index: int) -> np.ndarray:
-    image = scene.images[index]
-    pixels = image.pixels[..., :3].reshape(-1, 3)
-    values = pixels / 255.0 if pixels.dtype == np.uint8 else pixels
-    if image.srgb and pixels.dtype == np.uint8:
-        values = np.where(values <= 0.04045, values / 12.92, ((values + 0.055) / 1.055) ** 2.4)
-    return values.mean(axis=0, dtype=np.float64)
 
 
 def _key(mirror: Mirror) -> tuple[int, int]:

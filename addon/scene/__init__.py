@@ -1,5 +1,6 @@
 """What is rendered, as plain NumPy dataclasses, and reading and writing it as one file."""
 
+from .average import mean_color, mean_roughness
 from .camera import Camera, SensorFit
 from .light import Lamp, LampKind, Lighting, World
 from .material import BLACK, LUMINANCE, ColorSource, Extension, Fresnel, Image, Interpolation, Material, grey
@@ -25,4 +26,6 @@ __all__ = [
     "SensorFit",
     "World",
     "grey",
+    "mean_color",
+    "mean_roughness",
 ]
