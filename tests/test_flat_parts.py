@@ -201,3 +201,11 @@ def test_where_it_stands_makes_no_difference(turn, axis, move):
     for number in (0, 1):
         heights = corners[moved.part == number] @ moved.planes[number, :3] + moved.planes[number, 3]
         assert np.abs(heights).max() < 1e-5
+
+
+def test_an_uneven_mirror_is_one_part_though_each_triangle_points_elsewhere():
+    mesh = grid(40, 10)
+    waves = mesh.positions + 0.0008 * np.sin(9.0 * mesh.positions[:, :1]) * np.float32([0, 1, 0])
+    uneven = mesh_of(trimesh.Trimesh(waves, mesh.triangles, process=False))
+    assert len(parts_of(uneven).planes) == 1
+    assert len(parts_of(uneven, metres=0.0001).planes) > 1

@@ -22,6 +22,10 @@ _EDGE_ON = 1e-6
 _TOUCH = 1e-6
 """Of the scene's extent: what a shader's floats leave of a plane."""
 
+_FINE = 1e-6
+"""Of a mirror's extent: what is nearer to its outline lies on it; corners, being floats, are rounded as well."""
+_ROUNDING = 2.0 * float(np.finfo(np.float32).eps)
+
 _FOUND: "WeakKeyDictionary[Instance, tuple[tuple, FlatParts]]" = WeakKeyDictionary()
 """What was asked of an instance last, and the answer."""
 
@@ -144,7 +148,8 @@ def _outline(points: np.ndarray, plane: np.ndarray) -> tuple[np.ndarray, np.ndar
     """
     flat = points @ np.linalg.svd(plane[None, :3])[2][1:].T
     order = np.lexsort(flat.T[::-1])
-    corners, limit = order[[0, -1]], 1e-9 * float(np.ptp(flat, axis=0).max(initial=0.0))
+    corners = order[[0, -1]]
+    limit = _FINE * float(np.ptp(flat, axis=0).max()) + _ROUNDING * float(np.abs(points).max())
     while True:
         start, end = flat[corners], flat[np.roll(corners, -1)]
         (x, y), length = (end - start).T, np.linalg.norm(end - start, axis=1)

@@ -7,6 +7,9 @@ import numpy as np
 _TRIES = 4
 """Planes that are tried for each that is wanted, since the largest triangles need not lie in the largest part."""
 
+_FITS = 8
+"""Times that a plane is fitted anew; the first already takes what is exactly flat."""
+
 _ROUNDING = 1e-12
 """Of cosines near 1; as much as 0.0001° make."""
 
@@ -42,23 +45,35 @@ def flat_parts(
     areas[~np.isfinite(areas) | ~np.isfinite(normals).all(axis=(1, 2))] = 0.0
     shading = normals / np.maximum(np.linalg.norm(normals, axis=2, keepdims=True), 1e-30)
     left = np.where(_even(across, areas, shading, degrees), areas, 0.0)
-    found: list[tuple[float, np.ndarray]] = []
+    found: list[tuple[float, np.ndarray, np.ndarray]] = []
     while len(found) < _TRIES * most and left.any():
-        seed = int(left.argmax())
-        plane = _plane(across[seed], corners[seed])
-        candidates = np.flatnonzero((left > 0.0) & _level(across, areas, plane, degrees))
-        lies = _within(plane, corners[candidates], shading[candidates], degrees, metres)
-        within = np.union1d(candidates[lies], seed)
-        found.append((float(left[within].sum()), within))
+        plane, within = _grown(corners, across, shading, left, degrees, metres)
+        found.append((float(left[within].sum()), plane, within))
         left[within] = 0.0
     found.sort(key=lambda each: -each[0])
     part, planes = np.full(len(corners), -1, np.int32), np.zeros((min(most, len(found)), 4))
-    for number, (_, within) in enumerate(found[:most]):
-        part[within] = number
-        turned = np.sign(across[within] @ across[within[0]])[:, None] * across[within]
-        planes[number] = _plane(turned.sum(axis=0), np.average(corners[within], axis=0, weights=areas[within]))
+    for number, (_, plane, within) in enumerate(found[:most]):
+        part[within], planes[number] = number, plane
     total, loose = areas.sum(), areas[part < 0].sum()
     return FlatParts(part, planes, float(1.0 - loose / total) if total > 0.0 else np.nan)
+
+
+def _grown(corners, across, shading, areas, degrees: float, metres: float) -> tuple[np.ndarray, np.ndarray]:
+    """The plane that fits around the largest triangle, and which triangles lie in it.
+
+    It starts as the triangle's own, and is fitted to what lies in it as long as that adds to them: of an uneven
+    mirror, each triangle alone points elsewhere.
+    """
+    seed = int(areas.argmax())
+    within, fitted = np.array([seed]), _plane(across[seed], corners[seed])
+    for _ in range(_FITS):
+        grown = np.union1d(_within(fitted, corners, across, shading, areas, degrees, metres), seed)
+        if areas[grown].sum() <= areas[within].sum():
+            break
+        within = grown
+        turned = np.sign(across[within] @ across[seed])[:, None] * across[within]
+        fitted = _plane(turned.sum(axis=0), np.average(corners[within], axis=0, weights=areas[within]))
+    return fitted, within
 
 
 def _plane(normal: np.ndarray, points: np.ndarray) -> np.ndarray:
@@ -72,15 +87,13 @@ def _even(across, areas, shading, degrees: float) -> np.ndarray:
     return along >= 2.0 * areas * _least_cosine(degrees)
 
 
-def _level(across, areas, plane, degrees: float) -> np.ndarray:
-    """(T,) bool: which triangles are turned as the plane is."""
-    return np.abs(across @ plane[:3]) >= 2.0 * areas * _least_cosine(degrees)
-
-
-def _within(plane, corners, shading, degrees: float, metres: float) -> np.ndarray:
-    """(T,) bool: which triangles' corners are near to the plane, and their normals turned as it is."""
-    near = np.abs(corners @ plane[:3] + plane[3]).max(axis=1) <= metres
-    return near & (np.abs(shading @ plane[:3]) >= _least_cosine(degrees)).all(axis=1)
+def _within(plane, corners, across, shading, areas, degrees: float, metres: float) -> np.ndarray:
+    """Which triangles lie in the plane, normals and all; none of those without an area."""
+    least = _least_cosine(degrees)
+    level = np.flatnonzero((np.abs(across @ plane[:3]) >= 2.0 * areas * least) & (areas > 0.0))
+    near = np.abs(corners[level] @ plane[:3] + plane[3]).max(axis=1) <= metres
+    even = (np.abs(shading[level] @ plane[:3]) >= least).all(axis=1)
+    return level[near & even]
 
 
 def _least_cosine(degrees: float) -> float:
