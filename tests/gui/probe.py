@@ -134,9 +134,9 @@ class Motion:
         return json.dumps({"gaps": self.gaps, "held": self.held.times})
 
 
-def look_at(name: str, distance: float) -> None:
-    """Put the first viewport's eye so far from an object, on the camera's side of it."""
-    region = view3d()[1].spaces.active.region_3d
+def look_at(name: str, distance: float, number: int = 0) -> None:
+    """Put a viewport's eye so far from an object, on the camera's side of it."""
+    region = view3d(number)[1].spaces.active.region_3d
     region.view_perspective = "PERSP"
     region.view_location = bpy.data.objects[name].matrix_world.translation
     region.view_rotation = bpy.context.scene.camera.matrix_world.to_quaternion()

@@ -29,9 +29,10 @@ area.spaces.active.shading.type = "RENDERED"
 """
 _EYE = """
 import json
-window, area, regions = view3d()
-seen = area.spaces.active.region_3d
-print(json.dumps([list(map(list, seen.view_matrix)), list(map(list, seen.window_matrix))]))
+window, area, regions = view3d({number})
+seen, region, scale = area.spaces.active.region_3d, regions["WINDOW"], int(window.scene.catoptric.scale)
+matrices = [list(map(list, matrix)) for matrix in (seen.view_matrix, seen.window_matrix)]
+print(json.dumps([*matrices, region.width // scale, region.height // scale]))
 """
 _BAKE = """
 window, area, regions = view3d()
@@ -104,10 +105,10 @@ def screen_of_view(window: Window, path: Path) -> np.ndarray:
     return window.picture(path)[top : top + height, x : x + width]
 
 
-def expected(window: Window, scene: Path, samples: int) -> Frame:
-    """What the command line draws of a scene from where the first viewport looks."""
-    seen, projected = map(np.array, json.loads(window.python(_EYE)))
-    _, _, width, height = rectangle(window, _VIEW)
+def expected(window: Window, scene: Path, samples: int, number: int = 0) -> Frame:
+    """What the command line draws of a scene from where a viewport looks."""
+    *matrices, width, height = json.loads(window.python(_EYE.format(number=number)))
+    seen, projected = map(np.array, matrices)
     read = extract(open_blend(scene))
     method = METHODS["auto"]()
     try:
