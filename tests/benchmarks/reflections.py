@@ -1,11 +1,12 @@
 """What a reflection costs: each method against `environment-map`, dense meshes against light ones, EEVEE.
 
-Run: python tests/benchmarks/reflections.py [--part ratios|density|eevee|memory ...] [--scenes a,b]
+Run: python tests/benchmarks/reflections.py [--part ratios|density|eevee|memory|glossy ...] [--scenes a,b]
 
 `ratios` prints the reflection pass over that of `environment-map`, beside Zhang et al., Table 2
 (reflection over reflector). `density` gives the same object 1,500 to 1,000,000 triangles. `eevee`
-times a frame against EEVEE's sample, with the error of both. `memory` prints a process's peak.
-Times are medians of frames at 768 × 512, one sample a pixel.
+times a frame against EEVEE's sample, with the error of both. `memory` prints a process's peak. `glossy` prints
+the columns of figure 9 of the paper on glossy planar reflections, for its scene at its 1280 × 1024 pixels.
+Other times are medians of frames at 768 × 512, one sample a pixel.
 """
 
 import argparse
@@ -26,6 +27,8 @@ from catoptric.addon.methods.contract import Frame, View
 from catoptric.addon.methods.registry import METHODS
 from catoptric.addon.metrics import error_maps
 from catoptric.addon.scene import BLACK, Camera, ColorSource, Fresnel, Instance, Lighting, Material, Mesh, Scene, World
+from catoptric.batch.jobs import lit
+from catoptric.batch.sources import locate
 from catoptric.scenes import path_of
 
 SIZE = (768, 512)
@@ -133,15 +136,43 @@ def memory(name: str = "statue") -> None:
     print(name, done.stdout.strip().splitlines()[-1])
 
 
+FIGURE_9 = (
+    ("without mirror", "planar", {}),
+    ("perfect mirror", "planar", {}),
+    ("64 planes", "glossy-planes", {"planes": 64}),
+    ("128 planes", "glossy-planes", {"planes": 128}),
+    ("glossy-planar", "glossy-planar", {}),
+)
+
+
+def glossy(size: tuple[int, int] = (1280, 1024)) -> None:
+    """Frames of the cathedral, lit by lightmaps, and how they compare with the perfect mirror's."""
+    source = locate("cathedral")
+    scene = lit(source, source.scene(), Lighting.CYCLES, Cache())
+    dull = replace(scene, instances=tuple(replace(instance, reflector=False) for instance in scene.instances))
+    times = []
+    for label, method, settings in FIGURE_9:
+        drawn = METHODS[method](settings)
+        shown = dull if label == "without mirror" else scene
+        drawn.prepare(shown, Lighting.CYCLES)
+        try:
+            times.append(drawn.render(View(shown.camera, *size, 3)).time_ms["frame"])
+        finally:
+            drawn.release()
+    print(f"{size[0]} × {size[1]} pixels; the paper's glossy frames take 1.03 and 1.18 of its perfect one's time")
+    for (label, _, _), time in zip(FIGURE_9, times, strict=True):
+        print(f"{label:16}{time:10.1f} ms {1e3 / time:8.1f} fps {time / times[1]:8.2f} of the perfect mirror's time")
+
+
 def main() -> None:
     """Print the parts asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--part", nargs="+", default=["ratios", "density", "eevee", "memory"])
+    parser.add_argument("--part", nargs="+", default=["ratios", "density", "eevee", "memory", "glossy"])
     parser.add_argument("--scenes", default=",".join((*PAPER, *ROOM_SCENES)))
     given = parser.parse_args()
     renderer = call(lambda: require().info["GL_RENDERER"])
     print(f"{renderer}: {'software rendering, compare times with each other only' if is_software(renderer) else 'GPU'}")
-    parts = {"ratios": lambda: ratios(given.scenes.split(",")), "density": density, "memory": memory}
+    parts = {"ratios": lambda: ratios(given.scenes.split(",")), "density": density, "memory": memory, "glossy": glossy}
     parts["eevee"] = lambda: eevee(["mirror-ball"])
     for part in given.part:
         print(f"\n{part}")
