@@ -120,6 +120,7 @@ def test_a_cut_leaves_the_mirror_behind_and_next_to_nothing_else():
     assert heights.max() < 0.0
     assert heights.min() > -2e-5
     assert not before(cut, facing)
+    assert before(-cut, facing)
 
 
 def test_a_cut_clears_an_uneven_mirror():
