@@ -102,6 +102,13 @@ def test_the_mirrored_camera_sees_from_the_mirror_to_the_farthest_thing(seed, fl
     assert behind.far >= ((corners - behind.position) @ -behind.matrix[:3, 2]).max()
 
 
+def test_a_mirror_behind_an_orthographic_camera_is_not_cut_off():
+    camera = replace(looking((0, -5, 0)), ortho_scale=6.0, near=-90.0)
+    mirror, scene = mirror_in(pane(), placed((0, -20, 0)), camera)
+    depth = (mirror.points - camera.position) @ -camera.matrix[:3, 2]
+    assert -15.5 < mirrored(camera, mirror, scene).near <= depth.min() < -14.9
+
+
 def test_the_plane_turns_to_the_camera_and_vanishes_edge_on():
     plane = np.array([0.0, 1.0, 0.0, 0.0])
     np.testing.assert_array_equal(towards(plane, looking((0, -3, 1))), -plane)

@@ -1,11 +1,12 @@
 """What a reflection costs: each method against `environment-map`, dense meshes against light ones, EEVEE.
 
-Run: python tests/benchmarks/reflections.py [--part ratios|density|eevee|memory|glossy ...] [--scenes a,b]
+Run: python tests/benchmarks/reflections.py [--part ratios|density|eevee|memory|glossy|planar ...] [--scenes a,b]
 
 `ratios` prints the reflection pass over that of `environment-map`, beside Zhang et al., Table 2
 (reflection over reflector). `density` gives the same object 1,500 to 1,000,000 triangles. `eevee`
 times a frame against EEVEE's sample, with the error of both. `memory` prints a process's peak. `glossy` prints
-the columns of figure 9 of the paper on glossy planar reflections, for its scene at its 1280 × 1024 pixels.
+the columns of figure 9 of the paper on glossy planar reflections, for its scene at its 1280 × 1024 pixels,
+and `planar` each way to clip a perfect mirror there and at 640 × 512.
 Other times are medians of frames at 768 × 512, one sample a pixel.
 """
 
@@ -22,6 +23,7 @@ from catoptric.addon.blender.extract import extract
 from catoptric.addon.blender.files import open_blend
 from catoptric.addon.blender.reference import render_reference
 from catoptric.addon.cache import Cache
+from catoptric.addon.drawing import Clipping
 from catoptric.addon.gl import call, is_software, require
 from catoptric.addon.methods.contract import Frame, View
 from catoptric.addon.methods.registry import METHODS
@@ -164,15 +166,44 @@ def glossy(size: tuple[int, int] = (1280, 1024)) -> None:
         print(f"{label:16}{time:10.1f} ms {1e3 / time:8.1f} fps {time / times[1]:8.2f} of the perfect mirror's time")
 
 
+PLANAR = (
+    *((way.value, {"clipping": way.value}) for way in Clipping),
+    *((f"1 / {scale} texture", {"clipping": "projective-texture", "scale": scale}) for scale in (2, 4, 8)),
+)
+
+
+def planar(sizes: tuple[tuple[int, int], ...] = ((640, 512), (1280, 1024))) -> None:
+    """Frames of the cathedral, unlit, without a mirror and with a perfect one by every way to clip its picture."""
+    scene = extract(open_blend(path_of("cathedral")))
+    dull = replace(scene, instances=tuple(replace(instance, reflector=False) for instance in scene.instances))
+    for size in sizes:
+        bare = frame_time(dull, {}, size)
+        print(f"{size[0]} × {size[1]} pixels\n{'without mirror':20}{bare:10.1f} ms")
+        for label, settings in PLANAR:
+            time = frame_time(scene, settings, size)
+            print(f"{label:20}{time:10.1f} ms {time / bare:8.2f} of the time without mirror")
+
+
+def frame_time(scene: Scene, settings: dict, size: tuple[int, int]) -> float:
+    """Milliseconds of a frame by `planar`, unlit."""
+    drawn = METHODS["planar"](settings)
+    drawn.prepare(scene, Lighting.UNLIT)
+    try:
+        return drawn.render(View(scene.camera, *size, 3)).time_ms["frame"]
+    finally:
+        drawn.release()
+
+
 def main() -> None:
     """Print the parts asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--part", nargs="+", default=["ratios", "density", "eevee", "memory", "glossy"])
+    parser.add_argument("--part", nargs="+", default=["ratios", "density", "eevee", "memory", "glossy", "planar"])
     parser.add_argument("--scenes", default=",".join((*PAPER, *ROOM_SCENES)))
     given = parser.parse_args()
     renderer = call(lambda: require().info["GL_RENDERER"])
     print(f"{renderer}: {'software rendering, compare times with each other only' if is_software(renderer) else 'GPU'}")
     parts = {"ratios": lambda: ratios(given.scenes.split(",")), "density": density, "memory": memory, "glossy": glossy}
+    parts["planar"] = planar
     parts["eevee"] = lambda: eevee(["mirror-ball"])
     for part in given.part:
         print(f"\n{part}")
