@@ -1,12 +1,13 @@
 """What the extension costs Blender's window: stalls, the copy to the screen, idleness, memory.
 
-Run: python tests/benchmarks/interface.py [--part stalls|copy|idle|memory ...] [--pictures FOLDER]
+Run: python tests/benchmarks/interface.py [--part stalls|copy|idle|bakes|redraws ...] [--pictures FOLDER]
 
 It opens Blender on a screen that nobody sees, with the zip as it is packed now, on the scene mirror-ball; it needs what
 `tests/gui` needs. `stalls` has a timer tick every 10 ms while the view turns or an object moves: Blender alone in Solid
 mode, then Rendered by Catoptric, with the longest that each of our functions held the main thread. `copy` turns the
-camera of a viewport of 960 × 540. `idle` is the processor's time over 10 s at rest. `memory` bakes 200 times by the
-panel's own operator, then draws 1,000 views. At the end it says what Blender printed.
+camera of a viewport of 960 × 540. `idle` is the processor's time over 10 s at rest. `bakes` and `redraws` are what the
+process holds in memory while it bakes 200 times by the panel's own operator, and while it draws 1,000 views. At the end
+it says what Blender printed.
 """
 
 import argparse
@@ -47,8 +48,9 @@ name = gl.call(lambda: gl.require().info["GL_RENDERER"])
 print(name, "software rendering" if gl.is_software(name) else "GPU", sep=": ")
 """
 SMALL = """
-settings = bpy.context.scene.catoptric.methods.layered_depth_published
-settings.resolution = 32
+settings = bpy.context.scene.catoptric
+settings.scale, settings.samples = "2", "1"
+settings.methods.layered_depth_published.resolution = 32
 """
 CLEAR = """
 probe.ours("bakes").wait_for(bpy.context.scene, probe.stage())
@@ -129,7 +131,7 @@ def copy(bench: Bench) -> None:
         window.python(WHOLE)
         rendered(window)
         print("viewport", window.python(SIZE).strip())
-        records, _ = redraws(window, TURNS)
+        records, _ = turn(window, TURNS)
         window.until("probe.at_rest()")
         back = json.loads(window.python(f"print(probe.read_back_ms({TURNS}))"))
     total, sent, drawn = (np.array([record[name] for record in records]) for name in ("total", "copy", "frame"))
@@ -142,7 +144,7 @@ def copy(bench: Bench) -> None:
     print(f"the way to the screen is {np.median(shares):.1%} of a frame, at most {np.max(shares):.1%}")
 
 
-def redraws(window: Window, count: int) -> tuple[list[dict[str, float]], list[float]]:
+def turn(window: Window, count: int) -> tuple[list[dict[str, float]], list[float]]:
     """Turn the camera, one picture at a time: times of each, and resident megabytes after it."""
     window.python(f"probe.redraws = probe.Redraws({count})")
     window.until("probe.redraws.over", 1800.0)
@@ -171,12 +173,11 @@ def processor_s(pid: int) -> float:
     return (int(fields[11]) + int(fields[12])) / 100.0
 
 
-def memory(bench: Bench) -> None:
-    """Resident memory over many bakes and many pictures."""
-    with bench.window("memory") as window:
+def bakes(bench: Bench) -> None:
+    """Resident memory over many bakes."""
+    with bench.window("bakes") as window:
         window.python(SMALL)
         rendered(window)
-        window.python("bpy.context.scene.catoptric.samples = '1'")
         sizes = []
         for number in range(BAKES):
             if number > 0:
@@ -185,9 +186,16 @@ def memory(bench: Bench) -> None:
             window.until(NOTHING_UNDER_WAY)
             sizes.append(float(window.python("print(probe.resident_mb())")))
         print(window.python("print(probe.ours('work').last())").strip())
-        print_trend("bakes", sizes)
-        _, sizes = redraws(window, REDRAWS)
-        print_trend("redraws", sizes)
+    print_trend("bakes", sizes)
+
+
+def redraws(bench: Bench) -> None:
+    """Resident memory over many pictures."""
+    with bench.window("redraws") as window:
+        window.python(SMALL)
+        rendered(window)
+        _, sizes = turn(window, REDRAWS)
+    print_trend("redraws", sizes)
 
 
 def print_trend(what: str, sizes: Sequence[float]) -> None:
@@ -199,7 +207,7 @@ def print_trend(what: str, sizes: Sequence[float]) -> None:
     print(f"  the second half grows by {1e3 * slope:+.1f} kB each")
 
 
-PARTS = {"stalls": stalls, "copy": copy, "idle": idle, "memory": memory}
+PARTS = {"stalls": stalls, "copy": copy, "idle": idle, "bakes": bakes, "redraws": redraws}
 
 
 def main() -> None:

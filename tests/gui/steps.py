@@ -46,9 +46,11 @@ def open_tab(window: Window) -> None:
     """Open the sidebar by its key, and our tab by a click."""
     x, y = centre(window)
     window.xdotool("mousemove", x, window.size[1] - y, "sleep", 0.3, "key", "n")
+    window.until("view3d()[1].spaces.active.show_region_ui and view3d()[2]['UI'].width > 1")
     window.settle(1.0)
     x, y, width, height = rectangle(window, _SIDEBAR)
     window.click(x + width - _TAB[0], y + height - _TAB[1])
+    window.until("view3d()[2]['UI'].active_panel_category == 'Catoptric'")
     window.settle(1.0)
 
 

@@ -46,8 +46,7 @@ def test_keys_and_mouse_arrive(window):
     x, y = map(float, window.python("r = view3d()[2]['WINDOW']; print(r.x + r.width / 2, r.y + r.height / 2)").split())
     window.click(x, y)
     window.xdotool("key", "n")
-    window.settle()
-    assert window.python("print(view3d()[1].spaces.active.show_region_ui)").strip() == "True"
+    window.until("view3d()[1].spaces.active.show_region_ui", 20.0)
 
 
 def test_what_fails_inside_is_told_outside(window):
