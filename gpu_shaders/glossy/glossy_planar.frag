@@ -12,9 +12,10 @@ uniform float reach;               // metres: where an orthographic camera's ray
 uniform int rays;
 uniform float pattern;             // 0..1, other for each sample of the pixel
 
-const int STEPS = 12, HALVINGS = 3;
+const int STEPS = 12, HALVINGS = 4;
 const float LAST = 0.9995;         // of the way to infinity, as the screen shows it
-const float THICK = 1.0;           // what a ray passes behind counts as hit within so many of its steps
+const float FRONT = 0.125;         // of a step: how deep behind a front a halved ray may be
+const float GRAIN = 0.002;         // of the way from the eye: how uneven depth is within a texel
 
 struct Way {
     vec4 from, along;  // clip space: a point on the way is at from + t along
@@ -42,27 +43,40 @@ float behind(Way way, float t) {
     return way.depth + t * way.deepens - depth_at(place_at(way, t));
 }
 
-// Where on the mirrored picture the ray ends; `t` is how far away that is.
+// Where between two distances the ray comes to be behind what is seen, and how deep it then is.
+float crossing(Way way, float before, float after, out float deep) {
+    deep = behind(way, after);
+    for (int i = 0; i < HALVINGS; ++i) {
+        float middle = 0.5 * (before + after), there = behind(way, middle);
+        if (there < 0.0) {
+            before = middle;
+        } else {
+            after = middle;
+            deep = there;
+        }
+    }
+    return after;
+}
+
+// Where on the mirrored picture the ray ends; `t` is how far away that is, FAR for the world. A ray that goes
+// behind something without coming through its front, past a silhouette or out of an opening, goes on. One that is
+// never seen to end shows what it last was seen before: a wall behind a column, or the sky behind a gate.
 vec2 follow(Way way, float jitter, out float t) {
-    float before = 0.0;
-    t = metres(way, LAST);
+    float before = 0.0, open = 0.0;
     for (int i = 0; i < STEPS; ++i) {
-        float part = (float(i) + jitter) / float(STEPS), at = metres(way, min(part * part, LAST));
-        float deep = behind(way, at), step = (at - before) * abs(way.deepens);
-        if (deep >= 0.0 && deep <= THICK * step + 0.02 * way.depth) {
-            t = at;
-            break;
+        float part = (float(i) + jitter) / float(STEPS), at = metres(way, min(part * part, LAST)), deep;
+        if (behind(way, at) < 0.0) {
+            open = at;
+        } else {
+            t = crossing(way, before, at, deep);
+            if (deep <= FRONT * (at - before) * abs(way.deepens) + GRAIN * way.depth) return place_at(way, t);
         }
         before = at;
     }
-    if (t < metres(way, LAST)) {
-        for (int i = 0; i < HALVINGS; ++i) {
-            float middle = 0.5 * (before + t);
-            if (behind(way, middle) >= 0.0) t = middle;
-            else before = middle;
-        }
-    }
-    return place_at(way, t);
+    vec2 place = place_at(way, open);
+    float depth = depth_at(place);
+    t = depth < FAR ? depth - way.depth : FAR;
+    return place;
 }
 
 Way way_of(Ray ray) {
@@ -90,10 +104,11 @@ Mirrored mirrored_light(Surface s, vec3 direction) {
         vec2 u = random(i);
         vec3 facet = sample_half(view, alpha, u), light = reflect(-view, facet);
         if (light.z <= 0.0) continue;
+        Ray ray = Ray(s.position, frame * light);
         float t;
-        vec2 place = follow(way_of(Ray(s.position, frame * light)), fract(u.x + 0.381966 * float(i)), t);
+        vec2 place = follow(way_of(ray), fract(u.x + 0.381966 * float(i)), t);
         vec3 kept = reflectance_at(s, clamp(dot(view, facet), 0.0, 1.0)) * passed_on(view, light, alpha);
-        sum += kept * texture(mirrored, place).rgb;
+        sum += kept * (t < FAR ? texture(mirrored, place).rgb : world_radiance(ray.direction));
         mirrored_share += kept;
         if (i == 0) nearest = t;
     }
