@@ -151,11 +151,12 @@ def in_blocks(pixels: np.ndarray) -> np.ndarray:
 # ---- Held against it
 
 ROUGH = (0.05, 0.1, 0.2, 0.3, 0.5)
-SURROUNDINGS = 0.04
+SURROUNDINGS = 0.012
 """Root mean square, in shares of the brightest block, that a picture's depth alone may cost.
 
-A ray that passes behind a box cannot know how thick it is: measured are 0.3 % at roughness 0.05, 2.5 % at 0.3 and
-3.7 % on the dielectric there. The Monte Carlo's own error is a tenth of that.
+A ray cannot meet what the mirrored camera does not see: the backs and far sides of the boxes. Measured are 0.2 % at
+roughness 0.05, 0.7 % at 0.3, and 1.9 % at 0.5, where lobes reach around the boxes; the Monte Carlo's own error is a
+quarter of that.
 """
 
 
@@ -188,9 +189,9 @@ def test_lamps_over_a_rough_floor_are_as_the_judge_says(material, roughness):
     off, peak = (color - mean)[whole], mean[whole].max()
     assert whole.sum() >= 40
     assert rms(error[whole]) < 0.01 * peak
-    assert rms(off) < SURROUNDINGS * peak + 3.0 * rms(error[whole])
-    assert np.abs(off).max() < 0.25 * peak
-    assert color[whole].mean() == pytest.approx(mean[whole].mean(), rel=0.25)
+    assert rms(off) < (SURROUNDINGS if roughness < 0.5 else 2.5 * SURROUNDINGS) * peak
+    assert np.abs(off).max() < 0.1 * peak
+    assert color[whole].mean() == pytest.approx(mean[whole].mean(), rel=0.05 if roughness < 0.5 else 0.15)
 
 
 @pytest.mark.parametrize("material", [METAL, VARNISH], ids=lambda material: material.name)
@@ -200,7 +201,7 @@ def test_a_wide_lobe_is_far_from_a_perfect_mirror(material, roughness):
     mean, _, whole = truth(material, roughness)
     scene = lamps_over(replace(material, roughness=grey(roughness)))
     ours, sharp = (rms((drawn_in_blocks(scene, method) - mean)[whole]) for method in (GlossyPlanar, Planar))
-    assert ours < 0.55 * sharp
+    assert ours < 0.3 * sharp
 
 
 @pytest.mark.parametrize("material", [METAL, VARNISH], ids=lambda material: material.name)
@@ -214,9 +215,9 @@ def test_roughness_by_an_image_is_as_the_judge_says(material):
     pixels = np.ones((1, 512, 4), np.float32)
     pixels[0, :, :3] = rough(across[:, None])[:, None]
     scene = lamps_over(replace(material, roughness=ColorSource(image=0)), images=(Image("rough", pixels),))
-    mean, error, whole = judged(scene, rough)
+    mean, _, whole = judged(scene, rough)
     off = (drawn_in_blocks(scene) - mean)[whole]
-    assert rms(off) < SURROUNDINGS * mean[whole].max() + 3.0 * rms(error[whole])
+    assert rms(off) < 2.5 * SURROUNDINGS * mean[whole].max()
     even = lamps_over(replace(material, roughness=grey(0.5)))
     assert rms(off) < 0.5 * rms((drawn_in_blocks(even) - mean)[whole])
 
@@ -250,30 +251,27 @@ def test_fresnel_is_taken_by_facet():
 
 @pytest.mark.parametrize("material", [METAL, VARNISH], ids=lambda material: material.name)
 def test_without_roughness_it_equals_planar(material):
-    """But for what the margin's look-up and the rays' steps do at silhouettes."""
     scene = lamps_over(replace(material, roughness=BLACK))
     off = np.abs(rendered(scene) - rendered(scene, Planar)).max(axis=-1)
-    assert off.max() < 0.02
-    assert off.mean() < 5e-4
+    assert off.max() < 1e-4  # but for texels that the margin's rasteriser gives to the neighbour
 
 
 def test_in_unlit_light_it_equals_planar():
     scene = lamps_over(replace(METAL, roughness=grey(0.4)))
     ours, theirs = (rendered(scene, method, lighting=Lighting.UNLIT) for method in (GlossyPlanar, Planar))
     off = np.abs(ours - theirs).max(axis=-1)
-    assert off.max() < 0.02
-    assert off.mean() < 5e-4
+    assert off.max() < 1e-4  # but for texels that the margin's rasteriser gives to the neighbour
 
 
 @pytest.mark.parametrize("material", [METAL, VARNISH], ids=lambda material: material.name)
 @pytest.mark.parametrize("roughness", [0.05, 0.1, 0.2])
 def test_no_light_leaks_to_where_no_lobe_reaches(material, roughness):
-    """Blocks of which none of the judge's 6,144 rays meets a lamp. Measured: a thousandth, then 0.2 % and 3 %."""
+    """Blocks of which none of the judge's 6,144 rays meets a lamp. Measured: a hundredth of a percent, 0.4 % at 0.2."""
     mean, _, whole = truth(material, roughness)
     color = drawn_in_blocks(lamps_over(replace(material, roughness=grey(roughness))))
     dark = whole & (mean == 0.0).all(axis=1)
     assert dark.any()
-    assert color[dark].max() < (0.005 if roughness <= 0.1 else 0.05) * mean[whole].max()
+    assert color[dark].max() < (0.001 if roughness <= 0.1 else 0.01) * mean[whole].max()
 
 
 @pytest.mark.parametrize("roughness", [0.1, 0.4])

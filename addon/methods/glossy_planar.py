@@ -14,6 +14,7 @@ from .mirrors import Mirror, Registration
 from .planar import ANGLE, DEPTH, GAP, PICTURE_UNIT, Picture, Planar
 
 _FAR = 1e30
+_PATTERN = 1.7548776662, 2.2360679775
 
 RAYS = Parameter(
     "rays", "Rays", 16, "Directions of the lobe that each sample of a pixel looks along", minimum=1, maximum=256
@@ -74,15 +75,19 @@ class GlossyPlanar(Planar):
         view, canvas = picture.view, picture.canvas
         canvas.color.use(PICTURE_UNIT)
         self._depth_of(picture).use(PICTURE_UNIT + 1)
-        shader["mirrored"], shader["mirrored_depth"] = PICTURE_UNIT, PICTURE_UNIT + 1
-        clip = world_to_clip(view.camera, *canvas.size, picture.offset)
-        shader["world_to_mirrored"].write(clip.T.astype(np.float32).tobytes())
         axis = -view.camera.matrix[:3, 2]
-        shader["mirrored_axis"] = (*axis, -float(axis @ view.camera.position))
-        shader["rays"] = self.settings["rays"]
-        shader["pattern"] = float(np.dot(picture.offset, (1.7548776662, 2.2360679775)) % 1.0)
-        if "reach" in shader:
-            shader["reach"] = view.camera.far
+        uniforms = {
+            "mirrored": PICTURE_UNIT,
+            "mirrored_depth": PICTURE_UNIT + 1,
+            "world_to_mirrored": tuple(world_to_clip(view.camera, *canvas.size, picture.offset).T.ravel()),
+            "mirrored_axis": (*axis, -float(axis @ view.camera.position)),
+            "reach": view.camera.far,
+            "rays": self.settings["rays"],
+            "pattern": float(np.dot(picture.offset, _PATTERN) % 1.0),
+        }
+        for name, value in uniforms.items():
+            if name in shader:  # what is never rough needs no ray
+                shader[name] = value
 
     def _depth_of(self, picture: Picture) -> moderngl.Texture:
         level, seen = picture.view.mirrored, picture.canvas.visibility
@@ -96,6 +101,8 @@ class GlossyPlanar(Planar):
         kept = self._depths.get(level)
         if kept is None or kept[0].size != picture.canvas.size:
             context = require()
+            for part in kept or ():
+                part.release()
             texture = context.texture(picture.canvas.size, 1, dtype="f4")
             target = context.framebuffer([texture], picture.canvas.visibility.parts)
             target.depth_mask = False

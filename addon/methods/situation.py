@@ -6,7 +6,7 @@ from weakref import WeakKeyDictionary
 
 import numpy as np
 
-from ..scene import LUMINANCE, ColorSource, Instance, Mesh, Scene
+from ..scene import Instance, Mesh, Scene, mean_roughness
 from ..tracing import is_convex
 from .gloss import lobe_angle_of_roughness
 
@@ -198,7 +198,7 @@ class Situation:
         """Pixels by which the roughest of its mirrors blurs what is far away: the width of its lobe."""
         mesh = self.scene.meshes[self.reflector.mesh]
         materials = [self.scene.materials[self.reflector.materials[slot]] for slot in np.unique(mesh.slots)]
-        roughness = [_average(self.scene, material.roughness) for material in materials if material.mirrors]
+        roughness = [mean_roughness(self.scene, material) for material in materials if material.mirrors]
         lobe = float(lobe_angle_of_roughness(max(roughness, default=0.0)))
         return 0.0 if self.scene.camera.ortho_scale is not None else 2.0 * np.tan(lobe) / self._pixel
 
@@ -237,15 +237,6 @@ class Situation:
     def _projected(self, depth: np.ndarray, distance: np.ndarray) -> float:
         offset = self.radius * depth / np.maximum(distance + depth, 1e-30)
         return float(self.on_screen(offset, distance).max(initial=0.0))
-
-
-def _average(scene: Scene, source: ColorSource) -> float:
-    """The mean of what a colour is as a number."""
-    mean = np.ones(3)
-    if source.image is not None:
-        pixels = scene.images[source.image].pixels[::8, ::8, :3]
-        mean = pixels.mean(axis=(0, 1)) / (255.0 if pixels.dtype == np.uint8 else 1.0)
-    return float(np.clip((mean * source.color) @ LUMINANCE, 0.0, 1.0))
 
 
 def shape_of(mesh: Mesh) -> Shape:

@@ -12,9 +12,9 @@ uniform float reach;               // metres: where an orthographic camera's ray
 uniform int rays;
 uniform float pattern;             // 0..1, other for each sample of the pixel
 
-const int STEPS = 12, HALVINGS = 4;
+const int STEPS = 16, HALVINGS = 5;
 const float LAST = 0.9995;         // of the way to infinity, as the screen shows it
-const float FRONT = 0.125;         // of a step: how deep behind a front a halved ray may be
+const float FRONT = 0.15;          // of a step: how deep behind a front a halved ray may be
 const float GRAIN = 0.002;         // of the way from the eye: how uneven depth is within a texel
 
 struct Way {
@@ -36,6 +36,11 @@ vec2 place_at(Way way, float t) {
 float depth_at(vec2 place) {
     ivec2 size = textureSize(mirrored_depth, 0);
     return texelFetch(mirrored_depth, min(ivec2(place * vec2(size)), size - 1), 0).x;
+}
+
+// How far along the way something as deep is.
+float metres_to(Way way, float depth) {
+    return depth < FAR ? (depth - way.depth) / max(way.deepens, 1e-6) : FAR;
 }
 
 // How far behind the surface that is seen there the ray is after `t` metres.
@@ -74,8 +79,7 @@ vec2 follow(Way way, float jitter, out float t) {
         before = at;
     }
     vec2 place = place_at(way, open);
-    float depth = depth_at(place);
-    t = depth < FAR ? depth - way.depth : FAR;
+    t = metres_to(way, depth_at(place));
     return place;
 }
 
@@ -95,9 +99,18 @@ vec2 random(int index) {
     return fract(vec2(turn, 0.618034 * turn) + float(index) * vec2(0.7548776662, 0.5698402910) + 0.5);
 }
 
+// What lies straight behind the mirror is at the pixel's own place, within the margin.
+Mirrored perfect(Surface s, vec3 direction) {
+    ivec2 place = ivec2(gl_FragCoord.xy) + (textureSize(mirrored, 0) - textureSize(visibility, 0)) / 2;
+    Ray ray = mirrored_ray(s, direction);
+    vec3 radiance = reflectance(s, direction) * texelFetch(mirrored, place, 0).rgb;
+    return Mirrored(radiance, metres_to(way_of(ray), texelFetch(mirrored_depth, place, 0).x));
+}
+
 Mirrored mirrored_light(Surface s, vec3 direction) {
     if (!shows_mirror(s.at.instance, s.at.triangle)) discard;
-    float alpha = max(alpha_of(s), SHARP), nearest = FAR;
+    float alpha = alpha_of(s), nearest = FAR;
+    if (alpha < SHARP) return perfect(s, direction);
     mat3 frame = frame_of(s.normal);
     vec3 view = -direction * frame, sum = vec3(0.0), mirrored_share = vec3(0.0);
     for (int i = 0; i < rays; ++i) {
