@@ -179,12 +179,13 @@ class _Comparison:
 
     def _method(self, source: Source, shot: Shot, name: str, progress: Progress) -> None:
         reflectors = [shot.scene.instances[index] for index in shot.scene.reflectors]
-        reasons = {each.name: METHODS[name].applies_to(shot.scene, each) for each in reflectors}
+        settings = self.job.settings[name]
+        reasons = {each.name: METHODS[name].applies_to(shot.scene, each, settings) for each in reflectors}
         refusals = [f"{reflector}: {reason}" for reflector, reason in reasons.items() if reason]
         if len(refusals) == len(reasons):
             self._skip(self._not_measured(shot, name, refusals[0]))
             return
-        frame, bake_ms = photograph(shot, name, self.job.settings[name], progress)
+        frame, bake_ms = photograph(shot, name, settings, progress)
         times = Times(bake_ms, frame.time_ms.get("reflection"), frame.time_ms.get("frame"))
         self._keep(shot.result(name, frame.color, self._settings(name), times, refusals))
 

@@ -234,7 +234,7 @@ def test_a_bake_that_was_stopped_is_made_up_for(scene, mixed):
 
 
 def test_a_reflector_that_a_method_refuses_falls_back_with_the_reason(scene, frames, mixed, monkeypatch):
-    def only_balls(cls, scene, reflector):
+    def only_balls(cls, scene, reflector, settings):
         return None if reflector.name == BALL else "it is no ball"
 
     monkeypatch.setattr(TECHNIQUES["environment-map"], "applies_to", classmethod(only_balls))

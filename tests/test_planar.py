@@ -205,3 +205,14 @@ def test_lamps_light_the_mirrored_scene_as_they_do_the_scene(name):
     assert planar.color[mirrored].std() > 0.05
     assert not apart(planar.color, exact.color, 0.01).any()
     assert differing(planar.color, exact.color, 0.01).mean() < 0.003
+
+
+def test_its_tolerance_says_what_is_flat():
+    """A shallow dome of 8 degrees at its rim: curved, unless a mirror may turn as far as that."""
+    dome = trimesh.creation.icosphere(subdivisions=4, radius=10.0)
+    dome.update_faces(dome.triangles_center[:, 2] > 10.0 * np.cos(np.radians(8.0)))
+    scene = scene_of([(mesh_of(dome, smooth=True), placed((0, 0, -10)), True)], looking((0, -5, 3)))
+    tolerant = {"angle": 20.0, "gap": 1.0}
+    assert "curved" in Planar.applies_to(scene, scene.instances[0])
+    assert Planar.applies_to(scene, scene.instances[0], tolerant) is None
+    assert list(Planar(tolerant).cast(scene).values()) == [(0,)]

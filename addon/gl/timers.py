@@ -5,8 +5,13 @@ from contextlib import contextmanager
 from statistics import median
 from time import perf_counter
 
+import moderngl
+
 from .context import require
 from .functions import function
+
+_queries: list[moderngl.Query] = []
+"""Timer queries of the stopwatch in use, for the next one as well: moderngl never gives one back to OpenGL."""
 
 _SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software")
 
@@ -17,7 +22,7 @@ def is_software(renderer: str) -> bool:
 
 
 class Stopwatch:
-    """Times the stages of a frame; a stage may come again and again. Lives on the GL thread.
+    """Times the stages of a frame; a stage may come again and again. Lives on the GL thread, one at a time.
 
     By timer queries on a GPU, which cost nothing until `medians` waits for them. Software renderers
     answer a query before they have drawn, so there the clock runs until the picture is finished.
@@ -28,6 +33,7 @@ class Stopwatch:
         self._context = require()
         self._stage = self._clocked if is_software(self._context.info["GL_RENDERER"]) else self._queried
         self._times: dict[str, list[Callable[[], float]]] = {}
+        self._asked = 0
 
     @contextmanager
     def stage(self, name: str) -> Iterator[None]:
@@ -37,7 +43,10 @@ class Stopwatch:
 
     @contextmanager
     def _queried(self, times: list[Callable[[], float]]) -> Iterator[None]:
-        query = self._context.query(time=True)
+        if self._asked == len(_queries):
+            _queries.append(self._context.query(time=True))
+        query = _queries[self._asked]
+        self._asked += 1
         with query:
             yield
         times.append(lambda: query.elapsed / 1e6)

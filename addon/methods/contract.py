@@ -70,8 +70,11 @@ class Method(ABC):
         self.settings = resolve(self.parameters, settings or {})
 
     @classmethod
-    def applies_to(cls, scene: Scene, reflector: Instance) -> str | None:
-        """None if the method can draw this reflector, else the reason, as a sentence a person can act on."""
+    def applies_to(cls, scene: Scene, reflector: Instance, settings: Mapping[str, Value] | None = None) -> str | None:
+        """None if the method can draw this reflector, else the reason, as a sentence a person can act on.
+
+        `settings` as of the method; some say how much it takes.
+        """
         return None
 
     @abstractmethod

@@ -76,7 +76,7 @@ class Mixed(EnsembleMethod):
         if name == AUTO:
             choice = choose(scene, reflector, **settings)
             settings = resolve(TECHNIQUES[choice.method].parameters, {})
-        refusal = TECHNIQUES[choice.method].applies_to(scene, reflector)
+        refusal = TECHNIQUES[choice.method].applies_to(scene, reflector, settings)
         if refusal:
             return Choice(LayeredDepth.name, refusal), resolve(LayeredDepth.parameters, {})
         return choice, settings

@@ -19,7 +19,7 @@ from ..drawing import (
     first_triangles,
 )
 from ..gl import DataTexture, program, screen
-from ..parameters import Parameter, Value
+from ..parameters import Parameter, Value, resolve
 from ..progress import Progress
 from ..scene import Instance, Scene
 from .contract import View
@@ -134,14 +134,15 @@ class Planar(DeferredMethod):
         return Clipping(self.settings["clipping"])
 
     @classmethod
-    def applies_to(cls, scene: Scene, reflector: Instance) -> str | None:
+    def applies_to(cls, scene: Scene, reflector: Instance, settings: Mapping[str, Value] | None = None) -> str | None:
         """Whether at least half of the reflector is flat."""
-        return why_not_flat(scene, reflector, ANGLE.default, GAP.default)
+        given = resolve(cls.parameters, settings or {})
+        return why_not_flat(scene, reflector, given["angle"], given["gap"])
 
     def cast(self, scene: Scene) -> Cast:
         """The flat reflectors; layered-depth takes those that are curved."""
-        tolerances = self.settings["angle"], self.settings["gap"]
-        flat = tuple(i for i in scene.reflectors if why_not_flat(scene, scene.instances[i], *tolerances) is None)
+        instances = scene.instances
+        flat = tuple(i for i in scene.reflectors if self.applies_to(scene, instances[i], self.settings) is None)
         curved = tuple(index for index in scene.reflectors if index not in flat)
         return {self: flat, **({LayeredDepth(): curved} if curved else {})}
 

@@ -63,7 +63,7 @@ class Prepared:
         """What is to be said of a prepared method here: which reflectors it cannot draw, or draws by which method."""
         method = self._methods[choice]
         reflectors = [self._scene.instances[index] for index in self._scene.reflectors]
-        remarks = [method.applies_to(self._scene, reflector) for reflector in reflectors]
+        remarks = [method.applies_to(self._scene, reflector, method.settings) for reflector in reflectors]
         if isinstance(method, Mixed):
             remarks = [f"{name} by {chosen.method}: {chosen.reason}" for name, chosen in method.choices.items()]
         said = list(dict.fromkeys(filter(None, remarks)))
