@@ -85,6 +85,9 @@ class Mixed(EnsembleMethod):
 class Auto(Mixed):
     """Each reflector by the cheapest method that its surroundings allow, with the reason.
 
+    What is flat and so rough that it blurs what is far away by more than `tolerance` pixels is drawn by
+    glossy-planar; for the rest roughness does not count.
+
     An environment map shows everything as if it lay infinitely far away. How far that puts the nearest
     object out of place on the screen follows from its distance, the reflector's size and curvature, and the
     camera. Where it is more than `tolerance` pixels, the map projected onto the scene's box is tried, which
@@ -94,7 +97,7 @@ class Auto(Mixed):
     Source: the thin-mirror equation, for the size of a virtual image (any textbook of optics).
 
     Limitations: it measures by boxes, so that layered-depth is chosen more often than need be; it looks from
-    the scene's camera, as it was when anything else changed last; it knows nothing of materials and light.
+    the scene's camera, as it was when anything else changed last; it knows nothing of light.
     """
 
     name = AUTO
