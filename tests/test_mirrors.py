@@ -311,11 +311,11 @@ def test_what_is_flat_needs_no_reason():
 def test_reasons_tell_what_is_wrong():
     without_normals = replace(pane(), normals=np.full((2, 3, 3), np.nan, np.float32))
     told = {
-        "object 0 is curved: 0% of it lies in few planes, within 0.5 degrees and 0.001 m": reason(
+        "it is curved: 0% of it lies in few planes, within 0.5 degrees and 0.001 m": reason(
             mesh_of(trimesh.creation.icosphere(3), smooth=True)
         ),
-        "object 0 has normals that are not numbers": reason(without_normals),
-        "object 0 has no mirror-like face with an area": reason(
+        "it has normals that are not numbers": reason(without_normals),
+        "it has no mirror-like face with an area": reason(
             replace(pane(), positions=np.zeros((4, 3), np.float32))
         ),
     }

@@ -109,13 +109,13 @@ def _parts_of(mesh: Mesh, reflector: Instance, among: np.ndarray, degrees: float
 def why_not_flat(scene: Scene, reflector: Instance, degrees: float, metres: float) -> str | None:
     """None if at least half of what mirrors of a reflector is flat, else the reason, as `applies_to` gives it."""
     if not np.isfinite(scene.meshes[reflector.mesh].normals).all():
-        return f"{reflector.name} has normals that are not numbers: have its mesh's normals recalculated"
+        return "it has normals that are not numbers: have its mesh's normals recalculated"
     share = parts_of(scene, reflector, degrees, metres).share
     if np.isnan(share):
-        return f"{reflector.name} has no mirror-like face with an area: give it one, or a material that mirrors"
+        return "it has no mirror-like face with an area: give it one, or a material that mirrors"
     if share < _LEAST_FLAT:
         return (
-            f"{reflector.name} is curved: {share:.0%} of it lies in few planes, within {degrees:g} degrees and "
+            f"it is curved: {share:.0%} of it lies in few planes, within {degrees:g} degrees and "
             f"{metres:g} m; layered-depth draws any shape"
         )
     return None
