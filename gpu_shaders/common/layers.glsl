@@ -104,7 +104,8 @@ uvec2 look(inout Walk walk, ivec2 shape, Segment local, vec2 inverse, vec2 nudge
 void go_on(inout Walk walk, ivec2 shape, int top, Segment local, vec2 nudge) {
     ivec2 after = ivec2(local.origin.xy + walk.next * local.direction.xy + nudge) >> walk.level;
     if (walk.level < top && after >> 1 != walk.block >> 1) walk.first_block += blocks_at(shape, walk.level++);
-    walk.at = walk.next + 1e-6 * walk.next;
+    // A block that ends where the ray enters it is the last one, clamped: the ray has left the grid.
+    walk.at = walk.next > walk.at ? walk.next + 1e-6 * walk.next : local.end;
 }
 
 // Walks the columns of a mesh from the coarsest level. `local` is the ray with u and v in columns and
