@@ -43,7 +43,7 @@ def draw_main(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
     _draw_work(layout, context)
     problem = stage and (stage.problem or stage.studio.problem)
     if problem:
-        draw_text(layout, problem, context, icon="ERROR")
+        draw_text(layout, sentence(problem), context, icon="ERROR")
 
 
 def draw_settings(layout: bpy.types.UILayout, context: bpy.types.Context) -> None:
