@@ -236,3 +236,10 @@ def test_what_is_out_of_range_is_named_in_a_line(call, said):
     with pytest.raises(UsageError, match=said) as caught:
         call()
     assert "\n" not in str(caught.value)
+
+
+def test_the_narrowest_lobe_is_no_exception():
+    """The least positive number there is: nearly no blur, and still an infinite one at distance 0."""
+    least = np.nextafter(0.0, 1.0)
+    assert filter_radius(0.0, 1.0, 1.65, least) == np.inf
+    assert filter_radius(1.0, 1.0, 1.65, least) < 1e-300

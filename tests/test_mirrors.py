@@ -315,9 +315,7 @@ def test_reasons_tell_what_is_wrong():
             mesh_of(trimesh.creation.icosphere(3), smooth=True)
         ),
         "it has normals that are not numbers": reason(without_normals),
-        "it has no mirror-like face with an area": reason(
-            replace(pane(), positions=np.zeros((4, 3), np.float32))
-        ),
+        "it has no mirror-like face with an area": reason(replace(pane(), positions=np.zeros((4, 3), np.float32))),
     }
     for clue, line in told.items():
         assert line.startswith(clue)

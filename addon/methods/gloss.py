@@ -123,7 +123,7 @@ def filter_radius(distance: ArrayLike, height: ArrayLike, eye_height: ArrayLike,
     angle = _cap(lobe_angle)
     slope = np.where(angle < 0.25 * np.pi, np.tan(2.0 * np.minimum(angle, 0.25 * np.pi)), np.inf)
     with np.errstate(divide="ignore", invalid="ignore", over="ignore"):
-        ratio = slope * height / (eye + height) * np.hypot(1.0, (eye + height) / distance)
+        ratio = slope * (height * np.hypot(1.0 / (eye + height), 1.0 / distance))
     return np.where((height == 0.0) | (angle == 0.0), 0.0, ratio)
 
 
