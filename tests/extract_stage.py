@@ -5,8 +5,7 @@ from pathlib import Path
 import bpy
 import numpy as np
 import OpenImageIO as oiio
-from catoptric.addon.blender.images import linear
-from catoptric.addon.scene import Extension, Interpolation, Scene
+from catoptric.addon.scene import Extension, Interpolation, Scene, linear
 from catoptric.tests import blender_stage as stage
 
 SIDE = 12

@@ -3,7 +3,7 @@
 import bpy
 import numpy as np
 
-from ..scene import Image
+from ..scene import Image, average
 from .notes import Notes
 
 MAGENTA = np.array([[[255, 0, 255, 255]] * 2] * 2, dtype=np.uint8)
@@ -34,7 +34,7 @@ class ImageReader:
 
     def average(self, index: int) -> np.ndarray:
         """(4,) float64: the image's mean scene-linear colour and alpha."""
-        return linear(self.images[index]).reshape(-1, 4).mean(axis=0, dtype=np.float64)
+        return average(self.images[index])
 
 
 def _multiplies_alpha(image: bpy.types.Image) -> bool:
@@ -89,16 +89,3 @@ def _four_channels(pixels: np.ndarray) -> np.ndarray:
     color = pixels[..., :3] if channels == 3 else pixels[..., :1].repeat(3, axis=2)
     alpha = pixels[..., 1:] if channels == 2 else np.ones_like(pixels[..., :1])
     return np.concatenate([color, alpha], axis=2)
-
-
-def linear(image: Image) -> np.ndarray:
-    """(H, W, 4) float32 scene-linear pixels of `image`."""
-    if image.pixels.dtype != np.uint8:
-        return image.pixels
-    ramp = np.arange(256, dtype=np.float64) / 255.0
-    if not image.srgb:
-        return ramp.astype(np.float32)[image.pixels]
-    decoded = np.where(ramp <= 0.04045, ramp / 12.92, ((ramp + 0.055) / 1.055) ** 2.4)
-    pixels = decoded.astype(np.float32)[image.pixels]
-    pixels[..., 3] = image.pixels[..., 3] / np.float32(255.0)
-    return pixels

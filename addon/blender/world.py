@@ -11,9 +11,9 @@ import numpy as np
 import OpenImageIO as oiio
 
 from ..errors import SceneError
-from ..scene import World
+from ..scene import World, linear
 from .extract_evaluate import no_new_images
-from .images import MAGENTA, linear, read
+from .images import MAGENTA, read
 from .materials_colors import read_constant, read_constant_vector
 from .nodes import Source, Unsupported, all_nodes, source, surface_plug, tree_in_use
 from .notes import Notes

@@ -6,6 +6,7 @@ from math import ceil, log2, sqrt
 import flip_evaluator
 import numpy as np
 
+from ..scene import LUMINANCE
 from .display import to_display
 
 MOST_EXPOSURES = 10
@@ -29,7 +30,7 @@ def exposures_of(reference: np.ndarray) -> Exposures:
     black would ask for an infinite exposure. Share one result between all methods of a scene:
     errors seen at different exposures do not compare.
     """
-    luminance = np.maximum(reference, 0.0).astype(np.float64) @ (0.2126, 0.7152, 0.0722)
+    luminance = np.maximum(reference, 0.0).astype(np.float64) @ LUMINANCE
     lit = luminance[luminance > 1e-6]
     if lit.size == 0:
         return Exposures(0.0, 0.0, 2)

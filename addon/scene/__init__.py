@@ -1,7 +1,7 @@
 """What is rendered, as plain NumPy dataclasses, and reading and writing it as one file."""
 
-from .average import mean_color, mean_roughness
 from .camera import Camera, SensorFit
+from .image_values import average, linear, mean_color, mean_roughness
 from .light import Lamp, LampKind, Lighting, World
 from .material import BLACK, LUMINANCE, ColorSource, Extension, Fresnel, Image, Interpolation, Material, grey
 from .mesh import Instance, Mesh
@@ -25,7 +25,9 @@ __all__ = [
     "Scene",
     "SensorFit",
     "World",
+    "average",
     "grey",
+    "linear",
     "mean_color",
     "mean_roughness",
 ]
