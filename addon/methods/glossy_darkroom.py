@@ -10,10 +10,11 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ..drawing import Canvas, Part, Resident, ScreenPass, world_to_clip
+from ..drawing import Canvas, Resident, world_to_clip
 from ..gl import program, require, screen
 from .attenuation_planes import AttenuationPlanes
 from .planar import PICTURE_UNIT, Picture
+from .plane_distances import PlaneDistances
 
 MOST_PLANES = 256
 
@@ -27,7 +28,6 @@ _APART = 0.5 / math.sqrt(3.0 / 4.0)
 """How far apart the kernel's taps stand where they spread as a disc of radius 1."""
 
 _DEPTH_CLAMP = 0x864F
-_FAR = 1e30
 
 
 @dataclass(frozen=True)
@@ -45,19 +45,16 @@ class _Bath:
     def __init__(self, canvas: Canvas) -> None:
         context = require()
         self.blurred, self.slab = (context.texture(canvas.size, 4, dtype="f4") for _ in range(2))
-        self.heights = context.texture(canvas.size, 1, dtype="f4")
         for texture in (self.blurred, self.slab):
             texture.repeat_x = texture.repeat_y = False
         self.onto_picture = context.framebuffer([canvas.color], canvas.visibility.depth)
-        self.onto_heights = context.framebuffer([self.heights], canvas.visibility.parts)
-        for target in (self.onto_picture, self.onto_heights):
-            target.depth_mask = False
+        self.onto_picture.depth_mask = False
         self.onto_blurred = context.framebuffer([self.blurred])
         self.onto_slab = context.framebuffer([self.slab])
 
     def release(self) -> None:
-        targets = (self.onto_picture, self.onto_heights, self.onto_blurred, self.onto_slab)
-        for part in (*targets, self.blurred, self.slab, self.heights):
+        targets = (self.onto_picture, self.onto_blurred, self.onto_slab)
+        for part in (*targets, self.blurred, self.slab):
             part.release()
 
 
@@ -72,7 +69,7 @@ class Darkroom:
         self._drawn = context.vertex_array(self._planes, [(self._stack, "3f/i", "plane")])
         self._convolve = program(None, "glossy/convolve.frag")
         self._slab, self._spread = program(None, "glossy/slab.frag"), program(None, "glossy/spread.frag")
-        self._height = ScreenPass("glossy/height.frag", resident, Part.SURFACES)
+        self._heights = PlaneDistances(resident)
         self._baths: dict[Canvas, _Bath] = {}
 
     def _bath(self, picture: Picture) -> _Bath:
@@ -116,27 +113,20 @@ class Darkroom:
         Alpha is how much there is: something near hides what the picture would show of a slab behind it.
         """
         bath = self._bath(picture)
-        self._measure_heights(picture, bath)
+        heights = self._heights.of(picture, picture.mirror.plane)
         bath.onto_blurred.scissor = None
         bath.onto_blurred.clear()
         for slab in slabs:
-            self._cut(picture, bath, slab)
+            self._cut(picture, bath, heights, slab)
             self._lay(picture, bath, slab)
         return bath.blurred
 
-    def _measure_heights(self, picture: Picture, bath: _Bath) -> None:
-        bath.onto_heights.scissor = picture.view.opening.bounds
-        bath.onto_heights.clear(_FAR)
-        self._height.shader["mirror_plane"] = tuple(picture.mirror.plane)
-        camera, seen = picture.view.camera, picture.canvas.visibility
-        self._height.draw(camera, seen, bath.onto_heights, offset=picture.offset, blend=False)
-
-    def _cut(self, picture: Picture, bath: _Bath, slab: Slab) -> None:
+    def _cut(self, picture: Picture, bath: _Bath, heights: moderngl.Texture, slab: Slab) -> None:
         bath.onto_slab.scissor = None
         bath.onto_slab.clear()
         self._begin(picture, bath.onto_slab)
         picture.canvas.color.use(PICTURE_UNIT)
-        bath.heights.use(PICTURE_UNIT + 1)
+        heights.use(PICTURE_UNIT + 1)
         self._slab["mirrored"], self._slab["heights"] = PICTURE_UNIT, PICTURE_UNIT + 1
         self._slab["slab"] = slab.low, slab.high
         screen(self._slab).render(vertices=3)
@@ -165,6 +155,7 @@ class Darkroom:
         for bath in self._baths.values():
             bath.release()
         self._baths.clear()
+        self._heights.release()
 
 
 def _ground(picture: Picture) -> np.ndarray:

@@ -1,19 +1,16 @@
 """Rough flat mirrors: the lobe of each pixel, followed through a mirrored picture."""
 
-from collections.abc import Mapping
-
 import moderngl
 import numpy as np
 
-from ..drawing import Clipping, Part, ScreenPass, world_to_clip
-from ..gl import require
-from ..parameters import Parameter, Value
+from ..drawing import Clipping, world_to_clip
+from ..parameters import Parameter
 from ..progress import Progress
 from .contract import View
 from .mirrors import Mirror, Registration
 from .planar import ANGLE, DEPTH, GAP, PICTURE_UNIT, Picture, Planar
+from .plane_distances import PlaneDistances
 
-_FAR = 1e30
 _PATTERN = 1.7548776662, 2.2360679775
 
 RAYS = Parameter(
@@ -52,17 +49,12 @@ class GlossyPlanar(Planar):
     parameters = (RAYS, MARGIN, DEPTH, ANGLE, GAP)
     shader = "glossy/glossy_planar.frag"
 
-    def __init__(self, settings: Mapping[str, Value] | None = None) -> None:
-        """As any method's; raises `UsageError` for a setting that is wrong."""
-        super().__init__(settings)
-        self._depths: dict[int, tuple[moderngl.Texture, moderngl.Framebuffer]] = {}
-
     clipping = Clipping.PROJECTIVE_TEXTURE
 
     def bake(self, progress: Progress) -> None:
         """Find the flat parts."""
         super().bake(progress)
-        self._depth_pass = ScreenPass("glossy/depth.frag", self.resident, Part.SURFACES)
+        self._depths = PlaneDistances(self.resident)
 
     def registration(self, mirror: Mirror, view: View, screen: tuple[int, int]) -> Registration:
         """With a margin, unless it is a mirror in a mirror."""
@@ -74,13 +66,14 @@ class GlossyPlanar(Planar):
         """The mirrored picture, its depth, and how to find a place in them."""
         view, canvas = picture.view, picture.canvas
         canvas.color.use(PICTURE_UNIT)
-        self._depth_of(picture).use(PICTURE_UNIT + 1)
-        axis = -view.camera.matrix[:3, 2]
+        ahead = -view.camera.matrix[:3, 2]
+        axis = np.array([*ahead, -float(ahead @ view.camera.position)])
+        self._depths.of(picture, axis).use(PICTURE_UNIT + 1)
         uniforms = {
             "mirrored": PICTURE_UNIT,
             "mirrored_depth": PICTURE_UNIT + 1,
             "world_to_mirrored": tuple(world_to_clip(view.camera, *canvas.size, picture.offset).T.ravel()),
-            "mirrored_axis": (*axis, -float(axis @ view.camera.position)),
+            "mirrored_axis": tuple(axis),
             "reach": view.camera.far,
             "rays": self.settings["rays"],
             "pattern": float(np.dot(picture.offset, _PATTERN) % 1.0),
@@ -89,29 +82,7 @@ class GlossyPlanar(Planar):
             if name in shader:  # what is never rough needs no ray
                 shader[name] = value
 
-    def _depth_of(self, picture: Picture) -> moderngl.Texture:
-        level, seen = picture.view.mirrored, picture.canvas.visibility
-        texture, target = self._depth_target(level, picture)
-        target.scissor = picture.view.opening.bounds
-        target.clear(_FAR)
-        self._depth_pass.draw(picture.view.camera, seen, target, offset=picture.offset, blend=False)
-        return texture
-
-    def _depth_target(self, level: int, picture: Picture) -> tuple[moderngl.Texture, moderngl.Framebuffer]:
-        kept = self._depths.get(level)
-        if kept is None or kept[0].size != picture.canvas.size:
-            context = require()
-            for part in kept or ():
-                part.release()
-            texture = context.texture(picture.canvas.size, 1, dtype="f4")
-            target = context.framebuffer([texture], picture.canvas.visibility.parts)
-            target.depth_mask = False
-            self._depths[level] = texture, target
-        return self._depths[level]
-
     def free(self) -> None:
         """Give the pictures and their depths back."""
         super().free()
-        for part in (part for kept in self._depths.values() for part in kept):
-            part.release()
-        self._depths.clear()
+        self._depths.release()
