@@ -40,14 +40,14 @@ class Opening:
 
     `bounds` x, y, width and height in pixels, row 0 at the bottom, that hold the outline; `cuts` (N, 4) world planes
     that geometry is cut by; `shown` the instances to draw; `mark` draws a fragment for each pixel of the outline,
-    on the depth that is given, -1 near to 1 far, into the bound framebuffer.
+    at the far end, into the bound framebuffer.
     """
 
     bounds: tuple[int, int, int, int]
     cuts: np.ndarray
     shown: tuple[int, ...]
     clipping: Clipping
-    mark: Callable[[float], None]
+    mark: Callable[[], None]
 
     @contextmanager
     def kept_to(self, target: moderngl.Framebuffer) -> Iterator[None]:
@@ -77,7 +77,7 @@ class Opening:
         target.depth_mask, target.color_mask = depth_mask, (False,) * 4
         target.use()
         context.depth_func = "1"
-        self.mark(1.0)
+        self.mark()
         context.depth_func = "<"
         target.depth_mask, target.color_mask = True, (True,) * 4
         target.use()

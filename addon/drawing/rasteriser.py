@@ -64,11 +64,10 @@ class Rasteriser:
             shader["cuts"].write((planes @ instance.matrix).astype(np.float32).tobytes())
         shader["instance"] = index + 1
         shader["first_triangle"] = int(self._first_triangle[instance.mesh])
-        self._array(self._scene.meshes[instance.mesh], len(planes)).render(moderngl.TRIANGLES)
+        self._array(shader, self._scene.meshes[instance.mesh], len(planes)).render(moderngl.TRIANGLES)
 
-    def _array(self, mesh: Mesh, cuts: int) -> moderngl.VertexArray:
+    def _array(self, shader: moderngl.Program, mesh: Mesh, cuts: int) -> moderngl.VertexArray:
         if (mesh, cuts) not in self._arrays:
-            shader = program("visibility/visibility.vert", "visibility/visibility.frag", {"CUTS": cuts})
             vertices, indices = self._buffers[mesh]
             self._arrays[mesh, cuts] = require().vertex_array(shader, [(vertices, "3f", "position")], indices)
         return self._arrays[mesh, cuts]

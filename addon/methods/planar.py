@@ -43,6 +43,7 @@ from .mirrors import (
 
 _SECTION = "Advanced Graphics Programming Using OpenGL, 17.1.2"
 _PARTS_UNIT = FREE_UNIT + 1
+_FAR_END = 1.0
 PICTURE_UNIT = FREE_UNIT + 2
 
 ANGLE = Parameter(
@@ -192,9 +193,9 @@ class Planar(DeferredMethod):
             if bounds:
                 yield replace(mirror, plane=plane), bounds
 
-    def _draw_mark(self, mirror: Mirror, seen: Visibility, depth: float = 0.0) -> None:
+    def _draw_mark(self, mirror: Mirror, seen: Visibility) -> None:
         seen.texture.use(FREE_UNIT)
-        self._mark["visibility"], self._mark["depth"] = FREE_UNIT, depth
+        self._mark["visibility"], self._mark["depth"] = FREE_UNIT, _FAR_END
         self._bind_mirror(self._mark, mirror.instance, mirror.part)
         screen(self._mark).render(vertices=3)
 
