@@ -7,10 +7,10 @@ from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ..addon.methods.gloss import figure_curves
 from ..addon.metrics import to_bytes
+from .page import templates, texts
 from .pictures import save_bytes
 from .results import atomically
 
@@ -21,7 +21,6 @@ HEIGHTS = (0.5, 1.0, 1.5, 2.0, 2.5)
 
 FARTHEST = 20.0
 _DISTANCES = np.linspace(0.05, FARTHEST, 400)
-_TEMPLATES = Path(__file__).parent / "templates"
 
 
 @dataclass(frozen=True, eq=False)
@@ -80,23 +79,20 @@ def write_page(out: Path, scene: str, lighting: str, size: tuple[int, int], rows
 
     Raises `MachineError` if it cannot be written.
     """
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
-    page = environment.get_template("plates.html.j2").render(
-        scene=scene,
-        lighting=lighting,
-        size=size,
-        rows=rows,
-        pair=pair,
-        charts=charts(),
-        heights=HEIGHTS,
-        farthest=FARTHEST,
-        style=(_TEMPLATES / "report.css").read_text(encoding="utf-8"),
+    page = (
+        templates()
+        .get_template("plates.html.j2")
+        .render(
+            scene=scene,
+            lighting=lighting,
+            size=size,
+            rows=rows,
+            pair=pair,
+            charts=charts(),
+            heights=HEIGHTS,
+            farthest=FARTHEST,
+            style=texts("report.css"),
+        )
     )
     path = out / FILE_NAME
     with atomically(path) as temporary:

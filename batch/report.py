@@ -8,9 +8,9 @@ from math import inf
 from pathlib import Path
 
 import numpy as np
-from jinja2 import Environment, FileSystemLoader, StrictUndefined
 
 from ..addon.metrics import MAGMA, Figures, PictureError
+from .page import templates, texts
 from .pictures import load_picture, plates_folder
 from .plates_page import FILE_NAME as PLATES
 from .report_pictures import pack_flip, pack_picture, thumbnail, window_of_interest
@@ -20,8 +20,6 @@ FILE_NAME = "report.html"
 
 EMBEDDED_LIMIT = 60 << 20
 """Bytes of pictures in one page. What is beyond, best scenes last, keeps its figures and small pictures."""
-
-_TEMPLATES = Path(__file__).parent / "templates"
 
 
 @dataclass(frozen=True)
@@ -130,13 +128,7 @@ def write_report(results: Results, directory: Path, limit: int = EMBEDDED_LIMIT)
     for comparison in comparisons:
         comparison.plates = _plates(comparison.first, directory)
         limit -= _embed(comparison, directory, limit)
-    environment = Environment(
-        loader=FileSystemLoader(_TEMPLATES),
-        autoescape=True,
-        undefined=StrictUndefined,
-        trim_blocks=True,
-        lstrip_blocks=True,
-    )
+    environment = templates()
     environment.filters["number"] = write_number
     template = environment.get_template("report.html.j2")
     path = directory / FILE_NAME
@@ -248,15 +240,10 @@ def _context(results: Results, comparisons: list[Comparison]) -> dict:
         "chart": _chart,
         "magma": [f"#{red:02x}{green:02x}{blue:02x}" for red, green, blue in MAGMA[::17]],
         "palette": "".join(f"{value:02x}" for value in MAGMA.ravel()),
-        "style": _read("report.css"),
-        "script": _read("pictures.js", "viewer.js", "page.js"),
-        "sorting": _read("sorting.js"),
+        "style": texts("report.css"),
+        "script": texts("pictures.js", "viewer.js", "page.js"),
+        "sorting": texts("sorting.js"),
     }
-
-
-def _read(*names: str) -> str:
-    """The text of the templates `names`, one after the other."""
-    return "\n".join((_TEMPLATES / name).read_text(encoding="utf-8") for name in names)
 
 
 def _wins(comparisons: list[Comparison], scope: str) -> list[tuple[str, int]]:
