@@ -1,10 +1,23 @@
 """Where rays meet the scene: acceleration structures built from plain triangles, with NumPy alone."""
 
 from .convexity import is_convex
+from .curvature import Curvature
 from .flat_parts import FlatParts, flat_parts
 from .hierarchy import OCTANTS
 from .hierarchy import build as build_hierarchy
 from .layers import Layers
 from .layers import build as build_layers
+from .star_parts import StarPart, star_parts
 
-__all__ = ["OCTANTS", "FlatParts", "Layers", "build_hierarchy", "build_layers", "flat_parts", "is_convex"]
+__all__ = [
+    "OCTANTS",
+    "Curvature",
+    "FlatParts",
+    "Layers",
+    "StarPart",
+    "build_hierarchy",
+    "build_layers",
+    "flat_parts",
+    "is_convex",
+    "star_parts",
+]
