@@ -301,7 +301,7 @@ def test_two_bodies_in_one_mesh_are_seen_apart():
 def test_three_squares_at_one_edge_stay_apart():
     corners = [[0, 0, 0], [0, 0, 1]]
     faces = []
-    for angle in np.radians([0, 10, 20]):
+    for angle in np.radians([0, 180, 190]):
         c, s = np.cos(angle), np.sin(angle)
         corners += [[c, s, 0], [c, s, 1]]
         faces += [[0, len(corners) - 2, 1], [1, len(corners) - 2, len(corners) - 1]]
@@ -344,6 +344,13 @@ def test_a_spiral_is_split_where_it_lies_over_itself(pitch):
 def test_the_spread_is_kept(spread):
     ring = torus(segments=48, sides=24)
     assert (len(checked(ring, spread)) > len(star_parts(*ring))) == (spread < SPREAD)
+
+
+def test_a_hollow_is_seen_from_farther_back_the_more_it_bends():
+    ball = trimesh.creation.icosphere(4)
+    hollow = smooth(ball.vertices, ball.faces[:, ::-1])
+    reach = [max(part.reach for part in checked(hollow, spread)) for spread in (35.0, 55.0)]
+    assert reach[1] < 0.8 * reach[0]
 
 
 def test_uneven_normals_do_not_shatter_a_torus():

@@ -6,12 +6,15 @@ import numpy as np
 
 from .surface import Groups, Surface, among, connected, numbered
 
-_LONGEST, _LONGEST_JOINED = 4.0, 2.5
+_LONGEST, _LONGEST_JOINED = 5.0, 3.5
 """Length over width of a patch beyond which it is cut across, and neighbours do not join.
 
 A rectangle's variance along its length a is a² / 12, so that its width over its length is area / (12 variance).
 That is small for bands, rings and horseshoes alike.
 """
+
+_MIXED = 0.2
+"""Share of a neighbour's area up to which a patch may join it though it is curved otherwise."""
 
 _ROUNDS = 64
 """At most, of halving and of joining."""
@@ -21,11 +24,12 @@ _ROUNDS = 64
 class Shapes:
     """What P patches look like.
 
-    `axis` (P, 3), unit, amid the normals; `turn` (P,) the largest angle of a normal from it, radians; `length`
-    (P,) in widths; `along` (P, 3) the longest direction; `coarse` (P,) where a triangle has a quarter of that
-    length, so that cutting across is of no use.
+    `area` (P,); `axis` (P, 3), unit, amid the normals; `turn` (P,) the largest angle of a normal from it, radians;
+    `length` (P,) in widths; `along` (P, 3) the longest direction; `coarse` (P,) where a triangle has a quarter of
+    that length, so that cutting across is of no use.
     """
 
+    area: np.ndarray
     axis: np.ndarray
     turn: np.ndarray
     length: np.ndarray
@@ -73,17 +77,20 @@ def cut(surface: Surface, kind: np.ndarray, spread: float) -> np.ndarray:
 
 
 def joined(surface: Surface, kind: np.ndarray, patch: np.ndarray, spread: float) -> np.ndarray:
-    """(G,) patches, where neighbours of one `kind` that fit `spread` (radians) together have become one.
+    """(G,) patches, where neighbours of one `kind`, or one of them small, that fit `spread` (radians) together have
+    become one.
 
     In each round every patch asks the neighbour with which it bends least; those that ask one another join,
     unless that proves too much.
     """
     one, other = surface.links.T
-    borders = surface.links[(kind[one] == kind[other]) & (patch[one] != patch[other])]
+    borders = surface.links[patch[one] != patch[other]]
     shapes = shapes_of(surface, np.arange(len(patch)), patch)
+    kinds = np.zeros(len(shapes.turn), kind.dtype)
+    kinds[patch] = kind
     refused = np.zeros((0, 2), np.int64)
     for _ in range(_ROUNDS):
-        pairs = _suitors(patch[borders], shapes, spread, refused)
+        pairs = _suitors(patch[borders], shapes, kinds, spread, refused)
         if not len(pairs):
             break
         couple = np.full(len(shapes.turn), -1)
@@ -92,9 +99,12 @@ def joined(surface: Surface, kind: np.ndarray, patch: np.ndarray, spread: float)
         union = shapes_of(surface, members, couple[patch[members]])
         longest = np.maximum(shapes.length[pairs].max(axis=1), _LONGEST_JOINED)
         good = (union.turn <= spread) & (union.length <= longest)
+        greater = np.take_along_axis(pairs, shapes.area[pairs].argmax(axis=1)[:, None], axis=1)[:, 0]
+        kinds[pairs] = kinds[np.where(good[:, None], greater[:, None], pairs)]
         name = np.arange(len(shapes.turn))
         name[pairs[good, 1]] = pairs[good, 0]
         number = numbered(name)
+        kinds = kinds[name == np.arange(len(name))]
         # What was refused holds as long as neither has changed.
         refused = np.concatenate([refused, pairs[~good]])
         same = np.isin(refused, pairs[good], invert=True).all(axis=1)
@@ -129,7 +139,8 @@ def shapes_of(surface: Surface, triangles: np.ndarray, label: np.ndarray) -> Sha
     placed = (corners @ along[groups.label, :, None])[..., 0]
     low, high = placed.min(axis=1), placed.max(axis=1)
     coarse = groups.max(high - low) > (groups.max(high) - groups.min(low)) / 4.0
-    return Shapes(axis, np.arccos(np.clip(cosine, -1.0, 1.0)), 12.0 * variances[:, 2] / total, along, coarse)
+    turn = np.arccos(np.clip(cosine, -1.0, 1.0))
+    return Shapes(total, axis, turn, 12.0 * variances[:, 2] / total, along, coarse)
 
 
 def _amid(axis: np.ndarray, normals: np.ndarray, groups: Groups) -> np.ndarray:
@@ -160,14 +171,14 @@ def _moments(areas: np.ndarray, corners: np.ndarray, groups: Groups) -> tuple[np
 
 
 def _halves(surface: Surface, triangles, label, shapes: Shapes, by_normal: np.ndarray) -> np.ndarray:
-    """(N,) bool: on which side of the middle of its group's longest direction, of normals or of places."""
+    """(N,) bool: on which side of the middle of its group's widest direction, of normals or of places."""
     groups, weights = Groups(label), surface.areas[triangles, None]
-    middles = surface.shading[triangles].mean(axis=1) + surface.normals[triangles]
+    normals = surface.shading[triangles].mean(axis=1) + surface.normals[triangles]
     total = groups.sum(weights)
-    from_mean = middles - (groups.sum(weights * middles) / total)[label]
+    from_mean = normals - (groups.sum(weights * normals) / total)[label]
     scatter = groups.sum(weights[..., None] * from_mean[:, :, None] * from_mean[:, None, :])
     widest = np.linalg.eigh(scatter / total[..., None])[1][..., 2]
-    turned = (middles * widest[label]).sum(axis=1)
+    turned = (normals * widest[label]).sum(axis=1)
     by_normal = by_normal & (groups.max(turned) - groups.min(turned) > 1e-9)
     placed = (surface.corners[triangles].mean(axis=1) * shapes.along[label]).sum(axis=1)
     value = np.where(by_normal[label], turned, placed)
@@ -181,7 +192,7 @@ def _kept(rest: np.ndarray, links: np.ndarray, stays: np.ndarray, side: np.ndarr
     return rest[stays], (np.cumsum(stays) - 1)[links]
 
 
-def _suitors(borders: np.ndarray, shapes: Shapes, spread: float, refused: np.ndarray) -> np.ndarray:
+def _suitors(borders: np.ndarray, shapes: Shapes, kinds: np.ndarray, spread: float, refused: np.ndarray) -> np.ndarray:
     """(N, 2) pairs of patches that would each rather join the other than anyone else; none twice.
 
     `borders` (L, 2) are the patches on both sides of edges.
@@ -191,6 +202,8 @@ def _suitors(borders: np.ndarray, shapes: Shapes, spread: float, refused: np.nda
     keys = keys[~among(np.sort(refused.min(axis=1) * count + refused.max(axis=1)), keys)]
     pairs = np.stack([keys // count, keys % count], axis=1)
     pairs = pairs[pairs[:, 0] != pairs[:, 1]]
+    areas = shapes.area[pairs]
+    pairs = pairs[(kinds[pairs[:, 0]] == kinds[pairs[:, 1]]) | (areas.min(axis=1) <= _MIXED * areas.max(axis=1))]
     between = np.arccos(np.clip(np.einsum("px,px->p", *shapes.axis[pairs.T]), -1.0, 1.0))
     turns = shapes.turn[pairs]
     bound = np.maximum(turns.max(axis=1), (turns.sum(axis=1) + between) / 2.0)

@@ -73,7 +73,8 @@ def overlapping(surface: Surface, seen: Projections, own: bool) -> np.ndarray:
     """(P,) whether a patch, its margin included unless `own`, is seen twice in some direction.
 
     Where everything faces the same way, the layers in a direction are the turns of the border around it. So there
-    are two only if the border crosses itself, or turns twice around places just inside of it.
+    are two only where the border crosses itself, or, should it merely touch itself, turns twice around places just
+    inside of it.
     """
     part, start, end, inner = _borders(surface, seen, own)
     low = np.minimum(np.minimum(start, end), inner)[:, 1]
