@@ -19,6 +19,7 @@ SCENES: tuple[str, ...] = (
     "mirror-hall",
     "wet-street",
     "bathroom",
+    "kitchen",
 )
 
 

@@ -22,6 +22,40 @@ def frame(outline: np.ndarray, width: float, depth: float, turns: float = 8.0) -
     return shapes.sweep(points, profile[::-1], (0.0, -1.0, 0.0), (1.0, max(round(turns * length), 1)))
 
 
+def casement(width: float, height: float, wood) -> list:
+    """A window of three lights in an opening about the origin, through a wall 0.16 m thick behind y = 0."""
+    x, z = width / 2, height / 2
+    outline = np.array([(-x, -z), (x, -z), (x, z), (-x, z)])
+    edge = np.insert(np.concatenate([outline, outline[:1]]), 1, 0.0, axis=1)
+    upright, across = shapes.box((0.036, 0.04, height - 0.002)), shapes.box((width - 0.002, 0.03, 0.04))
+    bars = [upright.moved((side, 0.12, 0.001 - z)) for side in (0.02 - x, -x / 3, x / 3, x - 0.02)]
+    bars += [across.moved((0, 0.121, level)) for level in (0.001 - z, 0.2 * z, z - 0.041)]
+    sill = shapes.box((width + 0.1, 0.2, 0.025)).moved((0, 0.06, -z - 0.024))
+    reveal = shapes.sheet(np.stack([edge, edge + (0, 0.16, 0)]))
+    return [(shape, wood) for shape in (reveal, frame(outline, 0.06, 0.02, 1.0), *bars, sill)]
+
+
+def dresser(paint, wood) -> list:
+    """A kitchen dresser 1.5 m wide before a wall in y = 0: a cupboard, and three shelves over it."""
+    parts = [(shapes.box((1.5, 0.42, 0.88)).moved((0, -0.21, 0)), paint)]
+    parts.append((shapes.box((1.56, 0.46, 0.035)).moved((0, -0.22, 0.88)), wood))
+    parts += [(shapes.box((0.03, 0.2, 1.15)).moved((side * 0.735, -0.1, 0.914)), paint) for side in (-1, 1)]
+    return parts + [(shapes.box((1.45, 0.2, 0.025)).moved((0, -0.1, z)), paint) for z in (1.24, 1.6, 2.04)]
+
+
+def table(width: float, depth: float, top, wood) -> list:
+    """A table 0.75 m high, its top textured every 0.3 m."""
+    x, y = width / 2 - 0.07, depth / 2 - 0.065
+    legs = [shapes.box((0.06, 0.06, 0.721)).moved((side * x, end * y, 0)) for side in (-1, 1) for end in (-1, 1)]
+    return [(shapes.box((width, depth, 0.03), 0.3).moved((0, 0, 0.72)), top), *((leg, wood) for leg in legs)]
+
+
+def book(width: float, height: float, binding, paper) -> list:
+    """A book that stands on z = 0, its spine towards -Y."""
+    pages = shapes.box((width - 0.006, 0.182, height - 0.012)).moved((0, 0.004, 0.006))
+    return [(shapes.box((width, 0.18, height)), binding), (pages, paper)]
+
+
 def chair(wood, cloth) -> list:
     """A chair with turned legs, a round seat and an oval back; it faces -Y."""
     leg = [(0, 0), (0.014, 0), (0.018, 0.05), (0.014, 0.07), (0.024, 0.36), (0.03, 0.38), (0.03, 0.44), (0, 0.44)]

@@ -209,11 +209,12 @@ def disc(radius: float, segments: int, repeat: float) -> Shape:
     return Shape(shape.points, shape.faces, corners[..., :2] / repeat + 0.5)
 
 
-def tube(path: np.ndarray, radius: np.ndarray | float, sides: int, capped: bool = True) -> Shape:
+def tube(path: np.ndarray, radius: np.ndarray | float, sides: int, capped: bool = True, bore: float = 0.0) -> Shape:
     """A tube along `path` (N, 3), closed into a loop where its last point is its first.
 
-    `radius` in metres, one or (N,). An open tube ends in a point at both ends if `capped`. The frame
-    is carried along without twist; a loop's remaining twist is spread over its length.
+    `radius` in metres, one or (N,). An open tube ends in a point at both ends if `capped`; with a
+    `bore`, a hole of that radius goes back into its far end for a third of its points. The frame is
+    carried along without twist; a loop's remaining twist is spread over its length.
     """
     path = np.asarray(path, dtype=np.float64)
     loop = np.allclose(path[0], path[-1])
@@ -221,6 +222,10 @@ def tube(path: np.ndarray, radius: np.ndarray | float, sides: int, capped: bool 
     angle = np.linspace(0.0, 2.0 * np.pi, sides + 1)[:, None]
     across = normals[:, None] * np.cos(angle) + np.cross(tangents, normals)[:, None] * np.sin(angle)
     rings = path[:, None] + np.broadcast_to(radius, len(path))[:, None, None] * across
+    if bore and not loop:
+        back = np.arange(len(path) - 1, len(path) * 2 // 3, -1)
+        rings = np.concatenate([rings, path[back, None] + bore * across[back]])
+        path = np.concatenate([path, path[back[-1:]]])
     if capped and not loop:
         ends = np.broadcast_to(path[[0, -1], None], (2, sides + 1, 3))
         rings = np.concatenate([ends[:1], rings, ends[1:]])

@@ -207,9 +207,9 @@ def _pack(image, picture: np.ndarray, specification, file_name: str) -> None:
     image.source = "FILE"
 
 
-def sky(settings: pictures.Sky, sun: float, strength: float = 1.0) -> None:
-    """The world: a painted panorama, packed as a small EXR, and a sun lamp of `sun` W/m² where its sun is."""
-    image = _panorama(settings.picture())
+def sky(settings: pictures.Sky, sun: float, strength: float = 1.0, width: int = 1536) -> None:
+    """The world: a painted panorama `width` texels wide, packed as an EXR, and a sun lamp of `sun` W/m² in its sun."""
+    image = _panorama(settings.picture(width))
     world = bpy.data.worlds.new("Sky")
     bpy.context.scene.world = world
     world.use_nodes = True
