@@ -20,6 +20,7 @@ SCENES: tuple[str, ...] = (
     "wet-street",
     "bathroom",
     "kitchen",
+    "living-room",
 )
 
 

@@ -13,6 +13,7 @@ TILED = 1.35  # height of the tiles on the walls
 TOP = 0.82  # of the vanity
 MIRROR = (2.5, 1.24)
 VANITY = (-0.1, 1.33)
+EYE, AIM = (0.2, -1.4, 1.53), (-0.08, 1.6, 1.2)
 
 
 def build() -> None:
@@ -29,7 +30,27 @@ def build() -> None:
     _towels(oak, chrome)
     _window_and_door(oak, brass)
     _light()
-    stage.camera((0.2, -1.4, 1.53), (-0.08, 1.6, 1.2), 25.0)
+    stage.camera(EYE, AIM, 25.0)
+    stage.fly(_path())
+
+
+def _path() -> list:
+    """A round of the room that comes back to where it began: towards the mirror, along it, down to the floor."""
+    return [
+        (*EYE, *AIM),
+        (0.42, -1.22, 1.51, -0.1, 1.6, 1.22),
+        (0.72, -0.88, 1.47, -0.28, 1.6, 1.2),
+        (0.85, -0.45, 1.43, -0.5, 1.58, 1.14),
+        (0.68, -0.08, 1.43, -0.48, 1.55, 1.1),
+        (0.32, 0.1, 1.46, -0.2, 1.55, 1.12),
+        (-0.08, 0.05, 1.5, 0.12, 1.58, 1.14),
+        (-0.38, -0.22, 1.54, 0.36, 1.55, 1.04),
+        (-0.4, -0.55, 1.55, 0.42, 1.5, 0.9),
+        (-0.2, -0.84, 1.52, 0.32, 1.45, 0.8),
+        (0.06, -1.08, 1.5, 0.14, 1.5, 0.92),
+        (0.2, -1.28, 1.51, -0.02, 1.57, 1.1),
+        (*EYE, *AIM),
+    ]
 
 
 def _shell() -> None:

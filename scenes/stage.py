@@ -302,6 +302,30 @@ def camera(location, target, lens: float) -> None:
     bpy.context.scene.camera = eye
 
 
+def fly(waypoints, frames: int = 500, steps: int = 4) -> None:
+    """Let the camera fly from frame 1 to `frames` on a smooth curve through `waypoints`, evenly spaced in time.
+
+    `waypoints` (N, 6) are where it is and what it looks at; a key is set at each and `steps` - 1 times between.
+    Frame 1 is the first waypoint exactly; there and at the end it is at rest.
+    """
+    scene = bpy.context.scene
+    curve = shapes.through(np.asarray(waypoints, dtype=np.float64), steps)
+    eye, last = scene.camera, None
+    for frame, key in zip(np.linspace(1.0, frames, len(curve)), curve, strict=True):
+        aim(eye, key[:3], key[3:])
+        if last is not None:
+            eye.rotation_euler.make_compatible(last)
+        last = eye.rotation_euler.copy()
+        eye.keyframe_insert("location", frame=frame)
+        eye.keyframe_insert("rotation_euler", frame=frame)
+    for channel in eye.animation_data.action.fcurves:
+        for point in channel.keyframe_points:
+            point.handle_left_type = point.handle_right_type = "AUTO"
+        channel.update()
+    scene.frame_start, scene.frame_end = 1, frames
+    scene.frame_set(1)
+
+
 def aim(thing, location, target) -> None:
     """Put a lamp or a camera at `location`, its -Z towards `target`, its +Y upwards."""
     thing.location = location
