@@ -226,9 +226,9 @@ def _table(oak, steel, chrome, gold) -> None:
 def _sculpture(chrome) -> None:
     """A polished lantern of winding arcs, of genus 3, on a pedestal."""
     stone = stage.matte("Pedestal", "#cfc8ba", surfaces.marble("#d6cfc0", "#8f867a", 192), 85)
-    stage.assemble("Pedestal", furniture.pedestal(0.56, 0.24, stone), (1.08, -0.34, -lounge.SUNK))
-    shape = sculptures.lantern().moved(scale=0.46)
-    thing = stage.put("Sculpture", shape, chrome, (1.08, -0.34, 1.02), (0, 0, 24))
+    stage.assemble("Pedestal", furniture.pedestal(0.56, 0.24, stone), (1.02, -0.32, -lounge.SUNK))
+    shape = sculptures.lantern().moved(scale=0.42)
+    thing = stage.put("Sculpture", shape, chrome, (1.02, -0.32, 1.0), (0, 0, 24))
     stage.subdivide(thing, 4)
 
 
