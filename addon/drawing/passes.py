@@ -45,10 +45,10 @@ class ScreenPass:
         self._resident.bind(self.shader)
         set_camera(self.shader, camera, *visibility.size, offset)
         visibility.texture.use(FREE_UNIT)
-        self.shader["visibility"] = FREE_UNIT
-        self.shader["corner"] = corner
-        self.shader["weight"] = weight
-        self.shader["depth"] = self._depth
+        uniforms = {"visibility": FREE_UNIT, "corner": corner, "weight": weight, "depth": self._depth}
+        for name, value in uniforms.items():
+            if name in self.shader:
+                self.shader[name] = value
         context.depth_func = self._passes
         self._screen.render(vertices=3)
         context.depth_func = "<"

@@ -1,8 +1,9 @@
 """The one OpenGL context: its thread, programs, data textures and timers."""
 
+from .capture import capture
 from .context import adopt, call, give_way, on_gl_thread, require, submit
 from .functions import function
-from .programs import program, screen
+from .programs import feedback, program, screen
 from .textures import DataTexture
 from .timers import Stopwatch, is_software
 
@@ -11,6 +12,8 @@ __all__ = [
     "Stopwatch",
     "adopt",
     "call",
+    "capture",
+    "feedback",
     "function",
     "give_way",
     "is_software",

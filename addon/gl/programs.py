@@ -1,7 +1,7 @@
 """Shader programs from gpu_shaders/, with `#include` and errors that name a file and line."""
 
 import re
-from collections.abc import Mapping
+from collections.abc import Mapping, Sequence
 from functools import cache
 from pathlib import Path
 
@@ -45,17 +45,29 @@ def _paste(name: str, files: list[str], lines: list[str]) -> None:
 
 def program(vertex: str | None, fragment: str, defines: Mapping[str, int] | None = None) -> moderngl.Program:
     """The program of two files below gpu_shaders/, compiled once; no vertex file means a full-screen triangle."""
-    return _compile(vertex or _SCREEN, fragment, tuple(sorted((defines or {}).items())))
+    stages = ("vertex_shader", vertex or _SCREEN), ("fragment_shader", fragment)
+    return _compile(stages, (), tuple(sorted((defines or {}).items())))
+
+
+def feedback(
+    stages: Mapping[str, str], varyings: Sequence[str], defines: Mapping[str, int] | None = None
+) -> moderngl.Program:
+    """A program that draws nothing: a vertex array's `transform` writes its `varyings`, one after the other.
+
+    `stages` maps moderngl's names, as vertex_shader or geometry_shader, to files below gpu_shaders/. Compiled once.
+    """
+    return _compile(tuple(stages.items()), tuple(varyings), tuple(sorted((defines or {}).items())))
 
 
 @cache
-def _compile(vertex: str, fragment: str, defines: tuple[tuple[str, int], ...]) -> moderngl.Program:
-    vertex_text, vertex_files = source(vertex, dict(defines))
-    fragment_text, fragment_files = source(fragment, dict(defines))
+def _compile(
+    stages: tuple[tuple[str, str], ...], varyings: tuple[str, ...], defines: tuple[tuple[str, int], ...]
+) -> moderngl.Program:
+    sources = {stage: source(name, dict(defines)) for stage, name in stages}
     try:
-        return require().program(vertex_shader=vertex_text, fragment_shader=fragment_text)
+        return require().program(**{stage: text for stage, (text, _) in sources.items()}, varyings=varyings)
     except moderngl.Error as error:
-        files = vertex_files if "vertex_shader" in str(error) else fragment_files
+        files = next((files for stage, (_, files) in sources.items() if stage in str(error)), [])
         raise ShaderError(_located(str(error), files)) from None
 
 
