@@ -2,6 +2,7 @@
 
 from .convexity import is_convex
 from .curvature import Curvature
+from .cutting import cut_near
 from .flat_parts import FlatParts, flat_parts
 from .hierarchy import OCTANTS
 from .hierarchy import build as build_hierarchy
@@ -17,6 +18,7 @@ __all__ = [
     "StarPart",
     "build_hierarchy",
     "build_layers",
+    "cut_near",
     "flat_parts",
     "is_convex",
     "star_parts",
