@@ -1,0 +1,191 @@
+"""Reflector cube maps (Estalella et al., 4.1): where each part of a reflector lies, and which way it faces."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+from functools import cached_property
+
+import moderngl
+import numpy as np
+
+from ..cache import Cache, key_of
+from ..gl import on_gl_thread, program, require
+from ..parameters import Parameter
+from ..progress import Progress, silent
+from ..scene import Mesh
+from ..tracing import Curvature, StarPart, star_parts
+from .finer import finer
+from .grow import grown
+
+_SECTION = "Estalella et al., 4.1"
+
+SIZE = Parameter(
+    "map_size",
+    "Map size",
+    256,
+    "Texels along a face of a reflector's cube maps; a patch of a reflector has a quarter of them",
+    unit="texels",
+    minimum=16,
+    maximum=2048,
+    section=_SECTION,
+)
+FINER = Parameter(
+    "finer",
+    "Finer by",
+    1,
+    "How often each triangle of a reflector is quartered for its maps, onto the surface that its normals stand for",
+    minimum=0,
+    maximum=4,
+    section=_SECTION,
+)
+SPREAD = Parameter(
+    "spread",
+    "Spread",
+    20.0,
+    "How far the normals of a patch may turn; a closed convex reflector is a single part whatever it is",
+    unit="degrees",
+    minimum=5.0,
+    maximum=60.0,
+    section="Estalella et al., 6.2",
+)
+
+KIND = "reflector-maps"
+"""Of the entries in the cache."""
+
+BORDER = 1
+"""Texels around each face, so that what lies between its outer texels and the next face's is on both."""
+
+_PATCH_FACE = 4
+"""A patch lies before its frame's third axis: on the face +Z."""
+
+
+@dataclass(frozen=True, eq=False)
+class ReflectorMap:
+    """The maps of one part. F faces (all six of a whole body, the one of a patch) of N × N texels.
+
+    `positions` (F, N, N, 3) float32 metres from the part's centre, along the axes of its frame, row 0 at the
+    bottom; `normals` (F, N, N, 3) float32, of unit length, along the same axes; `covered` (F, N, N) bool, whether
+    the reflector itself is there: the rest goes on as its neighbours do, which closes what is open.
+    """
+
+    part: StarPart
+    positions: np.ndarray
+    normals: np.ndarray
+    covered: np.ndarray
+
+    @property
+    def size(self) -> int:
+        """Texels along a face, border included."""
+        return self.positions.shape[1]
+
+    @property
+    def reach(self) -> float:
+        """Tangent of the angle between a face's middle and its side, border apart."""
+        return self.part.reach if np.isfinite(self.part.reach) else 1.0
+
+    @property
+    def is_whole(self) -> bool:
+        """Whether all six faces are there."""
+        return len(self.positions) == 6
+
+    @cached_property
+    def radius(self) -> float:
+        """Metres from the centre to the reflector, in the mean."""
+        return float(np.linalg.norm(self.positions[self.covered], axis=1).mean())
+
+    @cached_property
+    def turn(self) -> float:
+        """Sine of how far the normals turn from their mean; 1 for a whole body."""
+        normals = self.normals[self.covered]
+        mean = normals.mean(axis=0)
+        mean /= max(np.linalg.norm(mean), 1e-12)
+        cosine = float((normals @ mean).min())
+        return 1.0 if self.is_whole or cosine < 0.0 else float(np.sqrt(max(0.0, 1.0 - cosine * cosine)))
+
+    @cached_property
+    def to_mesh(self) -> np.ndarray:
+        """(4, 4) float64 from the part's frame to the mesh's space."""
+        matrix = np.eye(4)
+        matrix[:3, :3] = self.part.frame.T
+        matrix[:3, 3] = self.part.centre
+        return matrix
+
+
+def reflector_maps(
+    mesh: Mesh, settings: dict, cache: Cache | None = None, progress: Progress = silent
+) -> list[ReflectorMap]:
+    """The maps of every part of a mesh.
+
+    `settings` holds the values of SIZE, FINER and SPREAD; what `cache` holds is not baked again.
+    """
+    size, levels, spread = settings[SIZE.name], settings[FINER.name], settings[SPREAD.name]
+    key = key_of(KIND, 1, mesh.positions, mesh.triangles, mesh.normals, size, levels, spread)
+    if cache and (kept := cache.get(KIND, key)):
+        return _unpacked(kept.arrays)
+    progress("splitting reflectors", 0.0)
+    parts = star_parts(mesh.positions, mesh.triangles, mesh.normals, spread)
+    maps = []
+    for number, part in enumerate(parts):
+        progress("baking reflector maps", number / len(parts))
+        maps.append(bake_part(mesh, part, size if np.isinf(part.reach) else max(size // 4, int(SIZE.minimum)), levels))
+    if cache:
+        cache.put(KIND, key, _packed(maps))
+    return maps
+
+
+@on_gl_thread
+def bake_part(mesh: Mesh, part: StarPart, size: int, levels: int) -> ReflectorMap:
+    """The maps of one part, `size` texels a face; its triangles are quartered `levels` times before."""
+    drawn = np.concatenate([part.margin, part.triangles])
+    corners = (mesh.corners[drawn].astype(np.float64) - part.centre) @ part.frame.T
+    normals = mesh.normals[drawn].astype(np.float64) @ part.frame.T
+    corners, normals = finer(corners, normals, levels)
+    faces = range(6) if np.isinf(part.reach) else (_PATCH_FACE,)
+    reach = 1.0 if np.isinf(part.reach) else part.reach
+    positions, turned = _drawn(corners.reshape(-1, 3), normals.reshape(-1, 3), faces, size, reach)
+    covered = positions[..., 3] > 0.0
+    values = np.concatenate([positions[..., :3], turned[..., :3]], axis=3)
+    values = np.stack([grown(face, inside) for face, inside in zip(values, covered, strict=True)])
+    filled = values[..., 3:] / np.maximum(np.linalg.norm(values[..., 3:], axis=3, keepdims=True), 1e-20)
+    return ReflectorMap(part, values[..., :3], filled, covered)
+
+
+def _drawn(points: np.ndarray, normals: np.ndarray, faces: Sequence[int], size: int, reach: float):
+    """Positions and normals (F, N, N, 4) float32 on some faces, alpha 0 where nothing is."""
+    context = require()
+    shader = program("reflector_maps/faces.vert", "reflector_maps/faces.frag")
+    buffer = context.buffer(np.concatenate([points, normals], axis=1).astype(np.float32))
+    array = context.vertex_array(shader, [(buffer, "3f 3f", "position", "normal")])
+    textures = [context.texture((size, size), 4, dtype="f4") for _ in range(2)]
+    target = context.framebuffer(textures)
+    try:
+        context.enable_only(moderngl.NOTHING)
+        shader["scale"] = (size - 2 * BORDER) / size / reach
+        pictures = []
+        for face in faces:
+            target.use()
+            target.clear()
+            shader["axis"], shader["side"] = face // 2, 1.0 - 2.0 * (face % 2)
+            array.render(moderngl.TRIANGLES)
+            pictures.append([np.frombuffer(part.read(), np.float32).reshape(size, size, 4) for part in textures])
+        return (np.stack(part) for part in zip(*pictures, strict=True))
+    finally:
+        for part in (target, *textures, array, buffer):
+            part.release()
+
+
+def _packed(maps: Sequence[ReflectorMap]) -> dict[str, np.ndarray]:
+    arrays = {"curvature": np.array([part.part.curvature.value for part in maps], np.int32)}
+    for number, part in enumerate(maps):
+        own = {name: getattr(part.part, name) for name in ("triangles", "margin", "centre", "frame", "reach")}
+        own |= {name: getattr(part, name) for name in ("positions", "normals", "covered")}
+        arrays |= {f"{number}_{name}": np.asarray(value) for name, value in own.items()}
+    return arrays
+
+
+def _unpacked(arrays: dict[str, np.ndarray]) -> list[ReflectorMap]:
+    maps = []
+    for number, curvature in enumerate(arrays["curvature"]):
+        own = {name: arrays[f"{number}_{name}"] for name in ("triangles", "margin", "centre", "frame")}
+        part = StarPart(**own, reach=float(arrays[f"{number}_reach"]), curvature=Curvature(int(curvature)))
+        maps.append(ReflectorMap(part, *(arrays[f"{number}_{name}"] for name in ("positions", "normals", "covered"))))
+    return maps
