@@ -47,12 +47,6 @@ def ball():
     return mesh_of(trimesh.creation.icosphere(subdivisions=4, radius=1.0), smooth=True)
 
 
-def with_far_corner(shape, far=30.0):
-    """The shape, and a little triangle far away: all of the shape lies in few columns."""
-    corner = trimesh.Trimesh([[far, far, 0], [far, far, 0.01], [far, far - 0.01, 0]], [[0, 1, 2]], process=False)
-    return trimesh.util.concatenate([shape, corner])
-
-
 def stages():
     """Scenes by name."""
     floor = mesh_of(
@@ -87,14 +81,6 @@ def stages():
                 False,
             ),
         ],
-        "detail in a corner of a wide mesh": [
-            (sphere, placed(), True),
-            (
-                mesh_of(with_far_corner(trimesh.creation.icosphere(subdivisions=5, radius=0.7))),
-                placed((1.9, -0.5, 0.1)),
-                False,
-            ),
-        ],
         "reflector in itself": [
             (
                 mesh_of(trimesh.creation.torus(1.2, 0.45, major_sections=64, minor_sections=32), smooth=True),
@@ -113,16 +99,3 @@ def test_hits_what_embree_hits(name):
     assert rays > 2000
     assert wrong <= 0.0005
     assert np.median(errors) < 1e-4
-
-
-@pytest.mark.parametrize("triangles", [30, 300])
-def test_the_nearest_of_triangles_that_reach_through_many_slices_of_a_column_is_met(triangles):
-    """Whatever a slice lists may be met far behind it, with others of the column in between."""
-    corners = np.random.default_rng(triangles).normal(0.0, 0.5, (triangles, 3, 3))
-    soup = trimesh.Trimesh(corners.reshape(-1, 3), np.arange(3 * triangles).reshape(-1, 3), process=False)
-    stage = [(ball(), placed(), True), (mesh_of(with_far_corner(soup)), placed((1.9, -0.5, 0.4)), False)]
-    scene = scene_of(stage, looking((1.0, -3.6, 1.9), (0.0, 0.0, 0.3), lens=45), bounces=0)
-    wrong, errors, _ = wrong_share(scene)
-    assert wrong <= 0.001
-    assert len(errors) > 300
-    assert (errors > 1e-3).mean() <= 0.002

@@ -7,6 +7,7 @@ from .glossy_planes import GlossyPlanes
 from .layered_depth import LayeredDepth
 from .layered_depth_published import LayeredDepthPublished
 from .planar import Planar
+from .virtual_objects import VirtualObjects
 
 TECHNIQUES: dict[str, type[DeferredMethod]] = {
     technique.name: technique
@@ -19,5 +20,6 @@ TECHNIQUES: dict[str, type[DeferredMethod]] = {
         Planar,
         GlossyPlanes,
         GlossyPlanar,
+        VirtualObjects,
     )
 }

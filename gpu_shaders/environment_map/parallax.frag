@@ -1,23 +1,12 @@
-// Box-projected environment mapping (Lagarde and Zanuttini 2012): the ray goes on to a box around the
-// scene, and the cube is looked up towards the point it meets there. Where the cube shows the world at that
-// point the box is open: the ray leaves it, and what lies infinitely far away has no parallax.
+// Box-projected environment mapping of the rays that reflectors mirror.
 
 #include "common/reflection.glsl"
-#include "common/environment.glsl"
-
-// Metres along a ray from within the box of a capture to its side.
-float box_distance(int reflector, Ray ray) {
-    vec3 ahead = mix(capture_texel(reflector, 1), capture_texel(reflector, 2), greaterThan(ray.direction, vec3(0.0)));
-    vec3 reach = (ahead - ray.origin) / mix(ray.direction, vec3(1e-20), equal(ray.direction, vec3(0.0)));
-    return max(0.0, min(min(reach.x, reach.y), reach.z));
-}
+#include "environment_map/box.glsl"
 
 Mirrored mirrored_light(Surface s, vec3 direction) {
     int reflector = reflector_of(s.at.instance);
     Ray mirrored = mirrored_ray(s, direction);
     float distance = box_distance(reflector, mirrored);
-    vec3 towards = mirrored.origin + distance * mirrored.direction - capture_texel(reflector, 0);
-    vec4 seen = environment_surfaces(reflector, towards);
-    if (seen.a > 0.0) seen.rgb += seen.a * world_radiance(mirrored.direction);
+    vec4 seen = boxed(reflector, mirrored, distance);
     return Mirrored(reflectance(s, direction) * seen.rgb, seen.a < 0.5 ? distance : FAR);
 }

@@ -1,0 +1,64 @@
+"""Which paths of light a picture's mirrored rays belong to, and where those of each go."""
+
+from dataclasses import dataclass
+
+import numpy as np
+
+SLACK = 0.02
+"""Radians that the rays of other samples of the same pixels may go beside."""
+
+
+@dataclass(frozen=True, eq=False)
+class Bundle:
+    """The mirrored rays of a picture that took the same path.
+
+    `path`: the numbers of the parts that it is reflected at, from the eye on. The rays begin in a ball (`centre` (3,),
+    `radius`) and go along `axis` (3,) or up to `spread`, in radians, off it. `bounds`: the pixels that they are seen
+    in, and one around: left, bottom, and right and top beyond, row 0 at the bottom.
+    """
+
+    path: tuple[int, ...]
+    centre: np.ndarray
+    radius: float
+    axis: np.ndarray
+    spread: float
+    bounds: tuple[int, int, int, int]
+
+    def reaches(self, centres: np.ndarray, radii: np.ndarray) -> np.ndarray:
+        """(N,) bool: whether a ray may meet each of the balls of `centres` (N, 3) and `radii` (N,)."""
+        ways = centres - self.centre
+        away = np.linalg.norm(ways, axis=1)
+        near = radii + self.radius
+        cosine = (ways @ self.axis) / np.maximum(away, 1e-30)
+        widened = self.spread + np.arcsin(np.clip(near / np.maximum(away, 1e-30), 0.0, 1.0))
+        return (away <= near) | (np.arccos(np.clip(cosine, -1.0, 1.0)) <= widened)
+
+
+def bundles_of(origins: np.ndarray, directions: np.ndarray, order: int) -> list[Bundle]:
+    """The bundles of a picture's rays, (H, W, 4) each as gpu_shaders/virtual/rays.glsl writes them."""
+    rows, columns = np.nonzero(origins[..., 3])
+    starts, ways = origins[rows, columns], directions[rows, columns]
+    number = starts[:, 3].astype(np.int64) + (ways[:, 3].astype(np.int64) << 32)
+    sorting = np.argsort(number, kind="stable")
+    rows, columns, starts, ways, number = (part[sorting] for part in (rows, columns, starts, ways, number))
+    first = np.flatnonzero(np.diff(number, prepend=-1))
+    if not len(first):
+        return []
+    counts = np.diff(first, append=len(number))
+    low, high = (f.reduceat(starts[:, :3], first, axis=0) for f in (np.minimum, np.maximum))
+    axes = np.add.reduceat(ways[:, :3].astype(np.float64), first, axis=0)
+    axes /= np.maximum(np.linalg.norm(axes, axis=1, keepdims=True), 1e-12)
+    cosines = np.minimum.reduceat((ways[:, :3] * np.repeat(axes, counts, axis=0)).sum(axis=1), first)
+    edges = [np.minimum.reduceat(part, first) - 1 for part in (columns, rows)]
+    edges += [np.maximum.reduceat(part, first) + 2 for part in (columns, rows)]
+    return [
+        Bundle(
+            tuple(int(part) for part in (number[at] >> 32, number[at] & 0xFFFFFFFF))[2 - order :],
+            (low[row] + high[row]) / 2.0,
+            float(np.linalg.norm(high[row] - low[row])) / 2.0,
+            axes[row],
+            float(np.arccos(np.clip(cosines[row], -1.0, 1.0))) + SLACK,
+            tuple(int(edge[row]) for edge in edges),
+        )
+        for row, at in enumerate(first)
+    ]

@@ -1,0 +1,137 @@
+"""Curved mirrors by drawing the scene where its vertices are reflected."""
+
+from weakref import WeakKeyDictionary
+
+import moderngl
+
+from ..baking.environment import EnvironmentCubes
+from ..baking.reflector_maps import FINER, SIZE, SPREAD, reflector_maps
+from ..baking.reflector_maps_tables import ResidentMaps
+from ..cache import Cache
+from ..drawing import Visibility
+from ..parameters import Parameter
+from ..progress import Progress, part_of
+from .contract import View
+from .deferred import DeferredMethod
+from .environment_map import CUBE_SIZE
+from .layered_depth import reflections_left
+from .virtual_bounce import MET_UNIT, Bounce
+from .virtual_scene import VirtualScene
+
+STEPS = Parameter(
+    "steps",
+    "Search steps",
+    6,
+    "Newton steps that the search of a vertex' reflection point takes at most",
+    minimum=1,
+    maximum=32,
+    section="Estalella et al., 4.3",
+)
+ORDERS = Parameter(
+    "orders",
+    "Reflections",
+    2,
+    "How often light may be mirrored exactly; after that a reflector shows its environment map",
+    minimum=1,
+    maximum=2,
+    section="Estalella et al., 8",
+)
+SHARE = Parameter(
+    "share",
+    "Piece size",
+    0.35,
+    "Triangles are cut until no edge is longer than this share of its distance from a reflector",
+    minimum=0.05,
+    maximum=10.0,
+    section="Estalella et al., 8",
+)
+LEAST = Parameter(
+    "least",
+    "Least piece",
+    0.1,
+    "What share of a reflector's radius of curvature is short enough for an edge, however near it is",
+    minimum=0.01,
+    maximum=10.0,
+)
+
+
+class VirtualObjects(DeferredMethod):
+    """Curved mirrors of any shape: the scene is drawn once more for each, every vertex where it is reflected.
+
+    A reflector falls into star-shaped parts by itself: a convex body is one, everything else is cut into patches. Maps
+    of each hold positions and normals. A vertex' reflection point is where the path from the eye to it is stationary;
+    Newton's method finds it in the maps, from where a sphere would reflect it, or from the middle of a patch. A
+    triangle is then drawn as a rectangle that holds its corners' reflection points, and in each pixel the pixel's own
+    mirrored ray decides which of the triangles there it meets first: so curved edges, textures and what hides what
+    are exact. What a reflector mirrors of another, or of itself, is found the same way, by paths of two points.
+
+    Source: Estalella, Martin, Drettakis, Tost, Devillers and Cazals, *Accurate interactive specular reflections on
+    curved objects*, 2005, for the maps and the search of vertices. Newton's method, patches, several reflections and
+    the exact pixels are ours.
+
+    Outputs: as every method.
+
+    Limitations: costs a search for every vertex and part that may show it, so that scenes with many small curved
+    reflectors are dear; near caustics a thin strip may be missed; after two reflections a reflector shows its
+    environment map.
+    """
+
+    name = "virtual-objects"
+    source = "after Estalella et al., 4 and 6: vertices reflected by a search in maps of the reflector"
+    parameters = (ORDERS, STEPS, SHARE, LEAST, SIZE, FINER, SPREAD, CUBE_SIZE)
+    shader = "virtual/virtual_objects.frag"
+
+    def bake(self, progress: Progress) -> None:
+        """Bake the maps of every reflector, and cut what they show."""
+        self._maps = ResidentMaps(self.scene, self._bake_maps(progress))
+        self._virtual = VirtualScene(self.scene, self._maps, self.settings["share"], self.settings["least"])
+        self._cubes = EnvironmentCubes(self.resident, self.settings["size"])
+        self._bounces: WeakKeyDictionary[Visibility, list[Bounce]] = WeakKeyDictionary()
+        self._views: WeakKeyDictionary[Visibility, View] = WeakKeyDictionary()
+
+    def _bake_maps(self, progress: Progress) -> dict:
+        """The maps of every reflector of the scene: another method's may show in ours. Instances share their mesh's."""
+        meshes = {index: self.scene.instances[index].mesh for index in self.scene.reflectors}
+        cache, baked = Cache(), {}
+        for done, mesh in enumerate(dict.fromkeys(meshes.values())):
+            share = part_of(progress, done / len(meshes), (done + 1) / len(meshes))
+            baked[mesh] = reflector_maps(self.scene.meshes[mesh], self.settings, cache, share)
+        return {index: baked[mesh] for index, mesh in meshes.items()}
+
+    def reflect(self, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
+        """Find what the mirrored rays meet, order by order, and show it."""
+        before = None
+        anew = self._views.get(seen) is not view
+        self._views[seen] = view
+        for bounce in self._bounces_for(seen, view):
+            bounce.draw(view, seen, sample["offset"], anew, before)
+            before = bounce
+        for bounce in self._bounces_for(seen, view):
+            bounce.show()
+        super().reflect(view, seen, target, **sample)
+
+    def _bounces_for(self, seen: Visibility, view: View) -> list[Bounce]:
+        if seen not in self._bounces:
+            self._bounces[seen] = [
+                Bounce(self.resident, self._maps, self._virtual, order, self.settings["steps"])
+                for order in range(1, self.settings["orders"] + 1)
+            ]
+            for bounce in self._bounces[seen]:
+                bounce.fit(seen)
+        return self._bounces[seen][: reflections_left(self.scene, view)]
+
+    def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
+        """Bind what the rays have met, and the environment maps."""
+        self._cubes.bind(shader)
+        self._maps.bind(shader, MET_UNIT + 2)
+        left = reflections_left(self.scene, view)
+        shader["orders"], shader["goes_on"] = min(self.settings["orders"], left), left > self.settings["orders"]
+        shader["virtual_objects"], shader["virtual_objects_again"] = MET_UNIT, MET_UNIT + 1
+
+    def free(self) -> None:
+        """Give everything back."""
+        for bounces in self._bounces.values():
+            for bounce in bounces:
+                bounce.release()
+        for part in (self._maps, self._virtual, self._cubes):
+            part.release()

@@ -1,0 +1,205 @@
+// The reflection points of a vertex by Newton's method: where the path from the eye to it is stationary (Fermat).
+
+#include "virtual/maps.glsl"
+
+uniform vec4 eye;                 // w 0: infinitely far away, in that direction
+uniform int steps;
+uniform float part_radii[ORDER];  // how far the reflector is from the part's centre, about
+
+const float LONGEST_STEP = 0.7;   // of the tangent that a face reaches to
+const float DONE = 1e-6;
+const float BACK = 1e30;          // the error of a point that faces away from the eye
+const int HALVINGS = 6;
+
+// The bisector of the ways from a point to where the path comes from and goes on: how it leans off the normal.
+struct Bisector {
+    vec3 normal;
+    vec4 to_from, to_next;       // unit length, and the inverse of the length: 0 for infinitely far away
+    float side_from, side_next;  // of the surface that they are on
+    float up;                    // what the lean is measured against
+    vec3 lean;                   // along the surface, as a tangent
+};
+
+vec4 way_to(vec4 to, vec3 from) {
+    vec3 way = to.xyz - to.w * from;
+    float inverse = inversesqrt(max(dot(way, way), 1e-30));
+    return vec4(way * inverse, to.w * inverse);
+}
+
+// How a way turns when its beginning moves.
+vec3 turned(vec4 way, vec3 along) {
+    return -way.w * (along - dot(along, way.xyz) * way.xyz);
+}
+
+vec3 flattened(vec3 v, vec3 normal) {
+    return v - dot(v, normal) * normal;
+}
+
+// A vertex behind the surface is mirrored to its front (Estalella et al., 6.1): that changes the bisector along the
+// normal only, so that the two ways' heights add up whichever side they are on.
+Bisector bisector_at(Point p, vec4 from, vec4 next) {
+    Bisector b;
+    b.normal = p.normal * inversesqrt(max(dot(p.normal, p.normal), 1e-30));
+    b.to_from = way_to(from, p.position);
+    b.to_next = way_to(next, p.position);
+    float height_from = dot(b.to_from.xyz, b.normal), height_next = dot(b.to_next.xyz, b.normal);
+    b.side_from = height_from < 0.0 ? -1.0 : 1.0;
+    b.side_next = height_next < 0.0 ? -1.0 : 1.0;
+    b.up = max(abs(height_from) + abs(height_next), 1e-9);
+    b.lean = flattened(b.to_from.xyz + b.to_next.xyz, b.normal) / b.up;
+    return b;
+}
+
+// How the lean changes when the ways turn and the normal does.
+vec3 lean_change(Bisector b, vec3 from_turn, vec3 next_turn, vec3 normal_turn) {
+    vec3 sum = b.to_from.xyz + b.to_next.xyz;
+    vec3 along = flattened(from_turn + next_turn, b.normal) - dot(sum, b.normal) * normal_turn;
+    float up = b.side_from * (dot(from_turn, b.normal) + dot(b.to_from.xyz, normal_turn))
+             + b.side_next * (dot(next_turn, b.normal) + dot(b.to_next.xyz, normal_turn));
+    return (along - b.lean * up) / b.up;
+}
+
+// When the point itself moves along its surface.
+vec3 lean_here(Point p, Bisector b, vec3 along, vec3 normal_along) {
+    vec3 normal_turn = flattened(normal_along, b.normal) * inversesqrt(max(dot(p.normal, p.normal), 1e-30));
+    return lean_change(b, turned(b.to_from, along), turned(b.to_next, along), normal_turn);
+}
+
+// When what the path goes on to moves, or what it comes from.
+vec3 lean_next(Bisector b, vec3 along) {
+    return lean_change(b, vec3(0.0), -turned(b.to_next, along), vec3(0.0));
+}
+
+vec3 lean_from(Bisector b, vec3 along) {
+    return lean_change(b, -turned(b.to_from, along), vec3(0.0), vec3(0.0));
+}
+
+// Two vectors along the surface as the surface's own directions see them.
+mat2 seen_along(Point p, vec3 by_u, vec3 by_v) {
+    return mat2(dot(p.along_u, by_u), dot(p.along_v, by_u), dot(p.along_u, by_v), dot(p.along_v, by_v));
+}
+
+vec2 seen_along(Point p, vec3 v) {
+    return vec2(dot(p.along_u, v), dot(p.along_v, v));
+}
+
+mat2 inverse_of(mat2 m) {
+    float d = determinant(m);
+    return abs(d) > 1e-30 ? mat2(m[1][1], -m[0][1], -m[1][0], m[0][0]) / d : mat2(0.0);
+}
+
+vec2 shortened(vec2 step, float longest) {
+    float size = length(step);
+    return size > longest ? step * (longest / size) : step;
+}
+
+bool is_whole(int part) {
+    return part_maps[part].z != 1;
+}
+
+Place moved(int part, Place from, vec2 step) {
+    Place to = Place(from.face, from.at + step);
+    return is_whole(part) ? place_of(part, direction_of(to)) : to;
+}
+
+// How the bisector leans at an angle from the eye, on a sphere of radius 1; `to_vertex` in the plane of eye and vertex.
+float sphere_lean(float angle, vec4 to_eye, vec2 to_vertex) {
+    vec2 normal = vec2(cos(angle), sin(angle)), along = vec2(-normal.y, normal.x);
+    return dot(normalize(to_eye.xy - to_eye.w * normal) + normalize(to_vertex - normal), along);
+}
+
+// Where a search begins that knows nothing: in the middle of a patch, and where a sphere would reflect the vertex
+// (Alhazen), between the point nearest to the eye and the horizon.
+vec3 first_guess(int part, vec4 from, vec3 vertex) {
+    if (!is_whole(part)) return vec3(0.0, 0.0, 1.0);
+    vec3 centre = part_to_world[part][3].xyz;
+    vec3 out_there = (vertex - centre) / part_radii[part];
+    vec4 to_eye = way_to(from, centre);
+    float away = dot(out_there, to_eye.xyz);
+    vec3 aside = out_there - away * to_eye.xyz;
+    float off = length(aside);
+    aside = off > 0.0 ? aside / off : vec3(0.0);
+    float inverse = min(to_eye.w * part_radii[part], 1.0);
+    vec4 eye_there = to_eye.w > 0.0 ? vec4(1.0 / inverse, 0.0, 0.0, 1.0) : vec4(1.0, 0.0, 0.0, 0.0);
+    float low = 0.0, high = min(atan(off, away), acos(inverse));
+    for (int i = 0; i < HALVINGS; ++i) {
+        float middle = 0.5 * (low + high);
+        if (sphere_lean(middle, eye_there, vec2(away, off)) > 0.0) low = middle;
+        else high = middle;
+    }
+    float angle = 0.5 * (low + high);
+    return normalize((cos(angle) * to_eye.xyz + sin(angle) * aside) * mat3(part_to_world[part]));
+}
+
+#if ORDER == 1
+// xyz: direction of the reflection point in the part's frame, w: how the bisector leans there, below 0 where the
+// vertex lies behind the reflector.
+vec4 search(vec3 start, vec3 vertex) {
+    Place best = place_of(0, start);
+    vec2 step = vec2(0.0);
+    float least = 2.0 * BACK, side = 1.0;
+    for (int i = 0; i <= steps; ++i) {
+        Place now = moved(0, best, step);
+        Point p = point_at(0, now);
+        Bisector b = bisector_at(p, eye, vec4(vertex, 1.0));
+        float off = is_whole(0) && b.side_from < 0.0 ? BACK : length(b.lean);
+        if (off < least) {
+            least = off;
+            best = now;
+            side = b.side_from * b.side_next;
+            mat2 change = seen_along(p, lean_here(p, b, p.along_u, p.normal_u), lean_here(p, b, p.along_v, p.normal_v));
+            step = shortened(-inverse_of(change) * seen_along(p, b.lean), LONGEST_STEP * part_reaches[0]);
+        } else {
+            step *= 0.5;
+        }
+        if (dot(step, step) < DONE * DONE) break;
+    }
+    return vec4(direction_of(best), side * least);
+}
+
+vec4 search(vec3 vertex) {
+    return search(first_guess(0, eye, vertex), vertex);
+}
+#else
+// The same for two reflections: both points move in one step. The direction is that of the first.
+vec4 search(vec3 start, vec3 vertex) {
+    Place best_1 = place_of(0, start);
+    Place best_2 = place_of(1, first_guess(1, vec4(point_at(0, best_1).position, 1.0), vertex));
+    vec2 step_1 = vec2(0.0), step_2 = vec2(0.0);
+    float least = 2.0 * BACK, side = 1.0;
+    for (int i = 0; i <= steps; ++i) {
+        Place now_1 = moved(0, best_1, step_1), now_2 = moved(1, best_2, step_2);
+        Point p = point_at(0, now_1), q = point_at(1, now_2);
+        Bisector a = bisector_at(p, eye, vec4(q.position, 1.0));
+        Bisector b = bisector_at(q, vec4(p.position, 1.0), vec4(vertex, 1.0));
+        bool back = (is_whole(0) && a.side_from < 0.0) || (is_whole(1) && b.side_from < 0.0);
+        float off = back ? BACK : length(vec2(length(a.lean), length(b.lean)));
+        if (off < least) {
+            least = off;
+            best_1 = now_1;
+            best_2 = now_2;
+            side = min(a.side_from * a.side_next, b.side_from * b.side_next);
+            mat2 aa = seen_along(p, lean_here(p, a, p.along_u, p.normal_u), lean_here(p, a, p.along_v, p.normal_v));
+            mat2 ab = seen_along(p, lean_next(a, q.along_u), lean_next(a, q.along_v));
+            mat2 ba = seen_along(q, lean_from(b, p.along_u), lean_from(b, p.along_v));
+            mat2 bb = seen_along(q, lean_here(q, b, q.along_u, q.normal_u), lean_here(q, b, q.along_v, q.normal_v));
+            vec2 lean_1 = seen_along(p, a.lean), lean_2 = seen_along(q, b.lean);
+            mat2 without = inverse_of(aa);
+            step_2 = -inverse_of(bb - ba * without * ab) * (lean_2 - ba * without * lean_1);
+            step_1 = -without * (lean_1 + ab * step_2);
+            step_1 = shortened(step_1, LONGEST_STEP * part_reaches[0]);
+            step_2 = shortened(step_2, LONGEST_STEP * part_reaches[1]);
+        } else {
+            step_1 *= 0.5;
+            step_2 *= 0.5;
+        }
+        if (dot(step_1, step_1) + dot(step_2, step_2) < DONE * DONE) break;
+    }
+    return vec4(direction_of(best_1), side * least);
+}
+
+vec4 search(vec3 vertex) {
+    vec3 next = is_whole(1) ? part_to_world[1][3].xyz : point_at(1, Place(4, vec2(0.0))).position;
+    return search(first_guess(0, eye, next), vertex);
+}
+#endif

@@ -1,0 +1,34 @@
+// Finds the reflection point of a vertex, and puts it into the table of results.
+
+#include "virtual/screen.glsl"
+#include "virtual/results.glsl"
+
+uniform int results_height;
+uniform int result_shift;  // from a point to its result
+uniform vec4 bundle;       // the ball that the rays begin in: centre, radius
+uniform vec4 bundle_axis;  // where they go: axis, radians off it
+
+in vec3 position;
+
+flat out vec4 found;
+flat out vec4 shown;
+
+bool in_bundle(vec3 at) {
+    vec3 way = at - bundle.xyz;
+    float away = length(way);
+    if (away <= bundle.w) return true;
+    float off = acos(clamp(dot(way, bundle_axis.xyz) / away, -1.0, 1.0));
+    return off <= bundle_axis.w + asin(bundle.w / away);
+}
+
+void main() {
+    found = NOT_SOUGHT;
+    shown = vec4(0.0);
+    if (in_bundle(position)) {
+        found = search(position);
+        shown = shown_at(found.xyz);
+    }
+    vec2 texel = vec2(texel_at(gl_VertexID + result_shift)) + 0.5;
+    gl_Position = vec4(texel / vec2(4096, results_height) * 2.0 - 1.0, 0.0, 1.0);
+    gl_PointSize = 1.0;
+}
