@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from catoptric.addon import gl
 from catoptric.addon.baking.environment import EnvironmentCubes
-from catoptric.addon.drawing import Resident
+from catoptric.addon.drawing import Canvas, Resident
 from catoptric.addon.methods.contract import View
 from catoptric.addon.methods.environment_map import EnvironmentMap
 from catoptric.addon.methods.layered_depth import LayeredDepth
@@ -213,3 +213,17 @@ def test_lamp_behind_something_casts_a_shadow_and_the_world_still_lights():
     assert lit[32, 32] == pytest.approx(0.25, abs=1e-3)
     assert lit[4, 4] == pytest.approx(0.25 + 1 / np.pi, abs=1e-3)
     assert (lit < 0.3).mean() == pytest.approx(0.25**2, abs=0.01)
+
+
+def test_a_second_canvas_is_made_without_an_error():
+    """moderngl binds the framebuffer before it again, even one that has been given back."""
+
+    def made():
+        for _ in range(2):
+            canvas = Canvas(8, 8)
+            canvas.light.use()
+            canvas.release()
+        return gl.require().error
+
+    gl.call(lambda: gl.require().error)  # what was before
+    assert gl.call(made) == "GL_NO_ERROR"

@@ -280,3 +280,32 @@ def test_more_rays_are_less_noisy(roughness):
     scene = lamps_over(replace(METAL, roughness=grey(roughness)))
     many, few, some = (rendered(scene, samples=1, rays=count) for count in (256, 4, 32))
     assert rms(some - many) < 0.6 * rms(few - many)
+
+
+def test_the_samples_of_a_pixel_share_out_the_lobe():
+    """One ray a sample: with four times the samples the noise is a third, where chance alone makes it a half."""
+    scene = lamps_over(replace(METAL, roughness=grey(0.4)))
+    many = rendered(scene, samples=8, rays=16)
+    few, some = (rms(in_blocks((rendered(scene, samples=side, rays=1) - many).reshape(-1, 3))) for side in (2, 4))
+    assert some < 0.4 * few
+
+
+@pytest.mark.parametrize(("roughness", "noise"), [(0.2, 0.1), (0.4, 0.18)])
+def test_a_ray_shows_the_mean_of_what_it_stands_for(roughness, noise):
+    """Before a chequered wall. Measured are 8 % and 15 %; rays that show a point have 13 % and 23 %."""
+    pixels = np.ones((64, 64, 4), np.float32)
+    pixels[..., :3] = (np.indices((64, 64)).sum(axis=0) % 2)[..., None]
+    glow = Material("chequers", base=BLACK, emission=ColorSource(image=0))
+    over = lamps_over(replace(METAL, roughness=grey(roughness)), images=(Image("chequers", pixels),), boxes=False)
+    wall = Instance("wall", 0, placed((0.0, 4.0, 0.0), turn=np.pi / 2.0, axis=(1.0, 0.0, 0.0)), (1,))
+    scene = replace(over, instances=(*over.instances, wall), materials=(over.materials[0], glow))
+    few, many = (rendered(scene, samples=1, rays=count)[HEIGHT // 2 + 4 : HEIGHT // 2 + 20] for count in (4, 256))
+    assert many.mean() > 0.2
+    assert rms(few - many) < noise * many.mean()
+
+
+def test_the_margin_is_no_wider_than_lobes_are():
+    scene = lamps_over(replace(METAL, roughness=grey(0.1)))
+    wide, wider, none = (rendered(scene, samples=1, margin=margin) for margin in (0.5, 1.0, 0.0))
+    np.testing.assert_array_equal(wide, wider)
+    assert not np.array_equal(wide, none)

@@ -4,7 +4,7 @@ import moderngl
 import numpy as np
 
 from ..errors import MachineError, UsageError
-from ..gl import require
+from ..gl import require, unbind
 from .visibility import Visibility
 
 _CLEARLY_FAR = 1e29
@@ -77,6 +77,7 @@ class Canvas:
 
     def release(self) -> None:
         """Give the memory back."""
+        unbind()
         for part in (self.light, self.picture, self.centre, self.color, self.distance, self.reflection, self._spare):
             if part:
                 part.release()

@@ -1,7 +1,7 @@
 """The one OpenGL context: its thread, programs, data textures and timers."""
 
 from .capture import capture
-from .context import adopt, call, give_way, on_gl_thread, require, submit
+from .context import adopt, call, give_way, on_gl_thread, require, submit, unbind
 from .functions import function
 from .programs import feedback, program, screen
 from .textures import DataTexture
@@ -22,4 +22,5 @@ __all__ = [
     "require",
     "screen",
     "submit",
+    "unbind",
 ]

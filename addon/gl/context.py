@@ -65,6 +65,14 @@ def require() -> moderngl.Context:
     return _local.context
 
 
+def unbind() -> None:
+    """Draw into no framebuffer any more; before one is released.
+
+    moderngl binds the last one again when it has made another: an OpenGL error if that is gone.
+    """
+    require().detect_framebuffer(0).use()
+
+
 def adopt(context: moderngl.Context) -> None:
     """Make `context`, which is current on this thread, the one context of the process, and this the GL thread.
 

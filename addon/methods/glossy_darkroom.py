@@ -11,7 +11,7 @@ import moderngl
 import numpy as np
 
 from ..drawing import Canvas, Resident, world_to_clip
-from ..gl import program, require, screen
+from ..gl import program, require, screen, unbind
 from .attenuation_planes import AttenuationPlanes
 from .planar import PICTURE_UNIT, Picture
 from .plane_distances import PlaneDistances
@@ -152,6 +152,7 @@ class Darkroom:
 
     def release(self) -> None:
         """Give the pictures back."""
+        unbind()
         for bath in self._baths.values():
             bath.release()
         self._baths.clear()

@@ -6,10 +6,10 @@ import moderngl
 import numpy as np
 
 from ..drawing import Canvas, Part, Resident, ScreenPass
-from ..gl import require
+from ..gl import require, unbind
 from .planar import Picture
 
-_FAR = 1e30
+FAR = 1e30
 """Of the world, as in gpu_shaders/common/picture.glsl."""
 
 
@@ -24,8 +24,9 @@ class PlaneDistances:
     def of(self, picture: Picture, plane: np.ndarray) -> moderngl.Texture:
         """Metres, 32-bit, of the size of the picture's canvas; `plane` (4,) unit normal and offset in the world."""
         texture, target = self._target(picture.canvas)
+        target.scissor = None
+        target.clear(FAR)  # beside the opening, too: a rough ray may look there
         target.scissor = picture.view.opening.bounds
-        target.clear(_FAR)
         self._pass.shader["plane"] = tuple(plane)
         camera, seen = picture.view.camera, picture.canvas.visibility
         self._pass.draw(camera, seen, target, offset=picture.offset, blend=False)
@@ -41,6 +42,7 @@ class PlaneDistances:
 
     def release(self) -> None:
         """Give the pictures back."""
+        unbind()
         for part in (part for kept in self._targets.values() for part in kept):
             part.release()
         self._targets.clear()

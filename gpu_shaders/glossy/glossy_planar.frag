@@ -6,16 +6,24 @@
 
 uniform sampler2D mirrored;        // radiance
 uniform sampler2D mirrored_depth;  // metres along the mirrored camera's axis; FAR for the world
+uniform sampler2D even_ranges, odd_ranges;  // depth, nearest and farthest around (addon/methods/depth_ranges.py)
+uniform int levels;                // the last
 uniform mat4 world_to_mirrored;    // clip space of the mirrored camera
 uniform vec4 mirrored_axis;        // depth of a point: dot with (point, 1)
 uniform float reach;               // metres: where an orthographic camera's rays are half way to infinity
 uniform int rays;
-uniform float pattern;             // 0..1, other for each sample of the pixel
+uniform float focus;               // texels to a metre, a metre away; an orthographic camera's anywhere
+uniform float cone;                // width of what a ray stands for, a metre away, to alpha; in the lobe's middle
+uniform int first_ray;             // of this sample, among all that the pixel's samples look along
 
-const int STEPS = 16, HALVINGS = 5;
+const int MOST_STEPS = 8, HALVINGS = 4, NARROWINGS = 3;
+const float STRIDE = 1.0;          // texels: what is nearer together is not told apart
 const float LAST = 0.9995;         // of the way to infinity, as the screen shows it
 const float FRONT = 0.15;          // of a step: how deep behind a front a halved ray may be
 const float GRAIN = 0.002;         // of the way from the eye: how uneven depth is within a texel
+const float EVEN = 0.4;            // a mean is of what is this much as far away as what the ray meets, or 1 / this
+
+// ---- The way of a ray over the mirrored picture
 
 struct Way {
     vec4 from, along;  // clip space: a point on the way is at from + t along
@@ -23,9 +31,13 @@ struct Way {
     float reach;
 };
 
-// The way to infinity, cut so that it looks even on the screen: `part` 0..1 to metres.
+// The way to infinity, cut so that it looks even on the screen: `part` 0..1 to metres, and back.
 float metres(Way way, float part) {
     return way.reach * part / (1.0 - part);
+}
+
+float part_at(Way way, float t) {
+    return max(t, 0.0) / (max(t, 0.0) + way.reach);
 }
 
 vec2 place_at(Way way, float t) {
@@ -33,9 +45,13 @@ vec2 place_at(Way way, float t) {
     return clamp(0.5 + 0.5 * at.xy / at.w, 0.0, 1.0);
 }
 
-float depth_at(vec2 place) {
+ivec2 texel_of(vec2 place) {
     ivec2 size = textureSize(mirrored_depth, 0);
-    return texelFetch(mirrored_depth, min(ivec2(place * vec2(size)), size - 1), 0).x;
+    return min(ivec2(place * vec2(size)), size - 1);
+}
+
+float depth_at(vec2 place) {
+    return texelFetch(mirrored_depth, texel_of(place), 0).x;
 }
 
 // How far along the way something as deep is.
@@ -46,6 +62,47 @@ float metres_to(Way way, float depth) {
 // How far behind the surface that is seen there the ray is after `t` metres.
 float behind(Way way, float t) {
     return way.depth + t * way.deepens - depth_at(place_at(way, t));
+}
+
+Way way_of(Ray ray) {
+    Way way;
+    way.from = world_to_mirrored * vec4(ray.origin, 1.0);
+    way.along = world_to_mirrored * vec4(ray.direction, 0.0);
+    way.depth = dot(mirrored_axis, vec4(ray.origin, 1.0));
+    way.deepens = dot(mirrored_axis.xyz, ray.direction);
+    way.reach = orthographic ? reach : way.depth / max(way.deepens, 0.05);
+    return way;
+}
+
+// ---- Where it ends
+
+// Metres to the nearest and to the farthest that is seen around a place, `level` 1 or more.
+vec2 range_at(Way way, vec2 place, int level) {
+    ivec2 size = textureSize(mirrored_depth, 0) >> level;
+    ivec2 texel = ivec2(size.x, 0) + min(texel_of(place) >> level, size - 1);
+    vec2 range = (level & 1) == 0 ? texelFetch(even_ranges, texel, 0).xy : texelFetch(odd_ranges, texel, 0).xy;
+    return vec2(metres_to(way, range.x), metres_to(way, range.y));
+}
+
+// How many texels the way crosses between two of its parts.
+float texels(Way way, vec2 span) {
+    vec2 crossed = abs(place_at(way, metres(way, span.y)) - place_at(way, metres(way, span.x)));
+    return max(crossed.x * float(textureSize(mirrored, 0).x), crossed.y * float(textureSize(mirrored, 0).y));
+}
+
+// The parts of the way between which it must end: everything around it is nearer or farther.
+vec2 narrowed(Way way, out float across) {
+    vec2 span = vec2(0.0, LAST);
+    across = texels(way, span);
+    for (int i = 0; i < NARROWINGS && across > STRIDE; ++i) {
+        int level = int(ceil(log2(across + 1.0)));
+        if (level > levels) return span;
+        vec2 range = range_at(way, place_at(way, metres(way, span.x)), level);
+        span.x = clamp(part_at(way, range.x), span.x, LAST);
+        span.y = clamp(part_at(way, range.y), span.x, span.y);
+        across = texels(way, span);
+    }
+    return span;
 }
 
 // Where between two distances the ray comes to be behind what is seen, and how deep it then is.
@@ -67,36 +124,49 @@ float crossing(Way way, float before, float after, out float deep) {
 // behind something without coming through its front, past a silhouette or out of an opening, goes on. One that is
 // never seen to end shows what it last was seen before: a wall behind a column, or the sky behind a gate.
 vec2 follow(Way way, float jitter, out float t) {
-    float before = 0.0, open = 0.0;
-    for (int i = 0; i < STEPS; ++i) {
-        float part = (float(i) + jitter) / float(STEPS), at = metres(way, min(part * part, LAST)), deep;
-        if (behind(way, at) < 0.0) {
-            open = at;
-        } else {
-            t = crossing(way, before, at, deep);
-            if (deep <= FRONT * (at - before) * abs(way.deepens) + GRAIN * way.depth) return place_at(way, t);
+    float across;
+    vec2 span = narrowed(way, across);
+    float before = metres(way, span.x), open = before;
+    if (across > STRIDE) {
+        float steps = min(ceil(across / STRIDE), float(MOST_STEPS));
+        for (float i = jitter; i < steps + float(span.y < LAST); i += 1.0) {
+            float part = min(i / steps, 1.0), at = metres(way, mix(span.x, span.y, part * part)), deep;
+            if (behind(way, at) < 0.0) {
+                open = at;
+            } else {
+                t = crossing(way, before, at, deep);
+                if (deep <= FRONT * (at - before) * abs(way.deepens) + GRAIN * way.depth) return place_at(way, t);
+            }
+            before = at;
         }
-        before = at;
     }
     vec2 place = place_at(way, open);
     t = metres_to(way, depth_at(place));
     return place;
 }
 
-Way way_of(Ray ray) {
-    Way way;
-    way.from = world_to_mirrored * vec4(ray.origin, 1.0);
-    way.along = world_to_mirrored * vec4(ray.direction, 0.0);
-    way.depth = dot(mirrored_axis, vec4(ray.origin, 1.0));
-    way.deepens = dot(mirrored_axis.xyz, ray.direction);
-    way.reach = orthographic ? reach : way.depth / max(way.deepens, 0.05);
-    return way;
+// ---- What is there
+
+// The mean of what a ray that stands for many sees: its cone is `width` wide, a metre away. Where the cone holds
+// a silhouette it narrows, since what lies behind and before would mix.
+vec3 radiance_at(Way way, vec2 place, float t, float width) {
+    float level = log2(max(width * t * focus / (way.from.w + t * way.along.w), 1.0));
+    for (level = min(level, float(levels)); level > 0.0; level -= 2.0) {
+        vec2 range = range_at(way, place, int(ceil(level)));
+        if (range.x >= EVEN * t && EVEN * range.y <= t) break;
+    }
+    return textureLod(mirrored, place, level).rgb;
 }
 
-// Even over the pixels of a neighbourhood (Jimenez 2014) and over the rays of a pixel (Roberts 2018).
-vec2 random(int index) {
-    float turn = fract(52.9829189 * fract(dot(gl_FragCoord.xy, vec2(0.06711056, 0.00583715)))) + pattern;
-    return fract(vec2(turn, 0.618034 * turn) + float(index) * vec2(0.7548776662, 0.5698402910) + 0.5);
+// 0..1, even over the pixels of a neighbourhood (Jimenez 2014).
+float dither(vec2 pixel) {
+    return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
+}
+
+// Even over the rays of a pixel, those of all its samples (Roberts 2018), and other in each pixel.
+vec2 random(int ray) {
+    vec2 start = vec2(dither(gl_FragCoord.xy), dither(gl_FragCoord.xy + vec2(47.0, 17.0)));
+    return fract(start + float(ray) * vec2(0.7548776662, 0.5698402910));
 }
 
 // What lies straight behind the mirror is at the pixel's own place, within the margin.
@@ -113,15 +183,17 @@ Mirrored mirrored_light(Surface s, vec3 direction) {
     if (alpha < SHARP) return perfect(s, direction);
     mat3 frame = frame_of(s.normal);
     vec3 view = -direction * frame, sum = vec3(0.0), mirrored_share = vec3(0.0);
+    float narrowest = cone * alpha * view.z;  // across the plane of incidence, where no lobe is stretched
     for (int i = 0; i < rays; ++i) {
-        vec2 u = random(i);
+        vec2 u = random(first_ray + i);
         vec3 facet = sample_half(view, alpha, u), light = reflect(-view, facet);
         if (light.z <= 0.0) continue;
         Ray ray = Ray(s.position, frame * light);
-        float t;
-        vec2 place = follow(way_of(ray), fract(u.x + 0.381966 * float(i)), t);
+        Way way = way_of(ray);
+        float t, width = narrowest / (1.0 - u.y);
+        vec2 place = follow(way, fract(u.x + 0.381966 * float(i)), t);
         vec3 kept = reflectance_at(s, clamp(dot(view, facet), 0.0, 1.0)) * passed_on(view, light, alpha);
-        sum += kept * (t < FAR ? texture(mirrored, place).rgb : world_radiance(ray.direction));
+        sum += kept * (t < FAR ? radiance_at(way, place, t, width) : world_radiance(ray.direction));
         mirrored_share += kept;
         if (i == 0) nearest = t;
     }
