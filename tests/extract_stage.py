@@ -10,6 +10,9 @@ from catoptric.tests import blender_stage as stage
 
 SIDE = 12
 
+FILTER_WIDTH = 0.01
+"""Of a pixel: how far across it Cycles strews its samples; it goes no lower."""
+
 
 def plane_scene() -> tuple[bpy.types.Scene, bpy.types.Object]:
     """A plane from -1 to 1 with UVs 0 to 1, right under an orthographic camera that shows just it."""
@@ -58,7 +61,7 @@ def cycles_picture(scene: bpy.types.Scene, folder: Path) -> np.ndarray:
     cycles, settings = scene.cycles, scene.render.image_settings
     scene.render.engine = "CYCLES"
     cycles.samples, cycles.use_adaptive_sampling, cycles.use_denoising = 1, False, False
-    cycles.pixel_filter_type, cycles.filter_width = "BOX", 0.01
+    cycles.pixel_filter_type, cycles.filter_width = "BOX", FILTER_WIDTH
     settings.file_format, settings.color_depth, settings.color_mode = "OPEN_EXR", "32", "RGB"
     scene.render.filepath = str(folder / "picture.exr")
     bpy.ops.render.render(scene=scene.name, write_still=True)

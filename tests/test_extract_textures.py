@@ -99,7 +99,11 @@ def test_mapped_coordinates(tmp_path_factory, kind, output, location, rotation, 
     tree.links.new(mapping.outputs[0], lifted.inputs[0])
     tree.links.new(lifted.outputs[0], tree.nodes["Emission"].inputs["Color"])
     shown = plain.cycles_picture(scene, tmp_path_factory.mktemp("mapped"))[..., :2] - 100.0
-    np.testing.assert_allclose(plain.uv_picture(found)[:, 1:], shown[:, 1:], atol=2e-2)
+    expected = plain.uv_picture(found)
+    # Cycles' one sample may lie half a filter's width beside the middle, where steep coordinates are others.
+    steepness = sum(map(np.abs, np.gradient(expected, axis=(0, 1))))
+    off = np.abs(expected - shown)
+    assert (off <= 2e-3 + 0.5 * plain.FILTER_WIDTH * steepness)[:, 1:].all()
 
 
 def test_another_objects_space(stage_and_texture, tmp_path):
