@@ -54,7 +54,8 @@ def eye_to_object(distance, height, eye):
 
 def textbook_fresnel(angle, n):
     """Snell's law, then the mean of the squared amplitudes; complex, so that it covers total reflection."""
-    refracted = cmath.sqrt(1.0 - (math.sin(angle) / n) ** 2)
+    # 1 - (sin / n)², without the difference of nearly equal numbers where light grazes an index of about 1.
+    refracted = cmath.sqrt(math.cos(angle) ** 2 + (1.0 - n**-2) * math.sin(angle) ** 2)
     across = (math.cos(angle) - n * refracted) / (math.cos(angle) + n * refracted)
     along = (n * math.cos(angle) - refracted) / (n * math.cos(angle) + refracted)
     return 0.5 * (abs(across) ** 2 + abs(along) ** 2)

@@ -6,7 +6,8 @@
 
 uniform sampler2D mirrored;        // radiance
 uniform sampler2D mirrored_depth;  // metres along the mirrored camera's axis; FAR for the world
-uniform sampler2D even_ranges, odd_ranges;  // depth, nearest and farthest around (addon/methods/depth_ranges.py)
+uniform sampler2D even_ranges;     // depth, nearest and farthest around (addon/methods/depth_ranges.py)
+uniform sampler2D odd_ranges;
 uniform int levels;                // the last
 uniform mat4 world_to_mirrored;    // clip space of the mirrored camera
 uniform vec4 mirrored_axis;        // depth of a point: dot with (point, 1)
