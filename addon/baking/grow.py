@@ -4,30 +4,50 @@ import numpy as np
 
 _SIDES = ((0, 1), (0, -1), (1, 0), (-1, 0))
 
+_FADING = 0.7
+"""By how much less a ring goes on than the one before: where two rings meet, what they go on by has faded."""
+
+_STIFF = 1e-3
+"""Of the greatest singular value: in directions in which less than this is known, the trend is none."""
+
 
 def grown(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     """`values` (H, W, C) with those that are not `known` (H, W) made up: as smooth as the known ones go on.
 
-    Ring after ring, a texel becomes the mean of what the lines through its neighbours lead to. Where nothing is
-    known all is 0.
+    What is far from the known ones follows the quadratic that is nearest to them. What a texel lies off it fades: ring
+    after ring, a texel becomes the mean of what the lines through its neighbours lead to. Where nothing is known all
+    is 0.
     """
     if known.all():
         return values
-    filled = np.where(known[..., None], values, 0.0).astype(np.float64)
-    known = known.copy()
-    while not known.all() and known.any():
-        total, count = np.zeros_like(filled), np.zeros(known.shape)
+    if not known.any():
+        return np.zeros_like(values)
+    trend = _trend(values, known)
+    filled = np.where(known[..., None], values - trend, 0.0)
+    there = known.copy()
+    while not there.all():
+        total, count = np.zeros_like(filled), np.zeros(there.shape)
         for side in _SIDES:
-            near, has_near = _moved(filled, side), _moved(known, side)
-            far, has_far = _moved(filled, side, 2), _moved(known, side, 2)
-            guess = np.where(has_far[..., None], 2.0 * near - far, near)
+            near, has_near = _moved(filled, side), _moved(there, side)
+            far, has_far = _moved(filled, side, 2), _moved(there, side, 2)
+            guess = np.where(has_far[..., None], near + _FADING * (near - far), near)
             weight = np.where(has_near, np.where(has_far, 1.0, 0.01), 0.0)
             total += weight[..., None] * guess
             count += weight
-        ring = (count > 0) & ~known
+        ring = (count > 0) & ~there
         filled[ring] = total[ring] / count[ring][:, None]
-        known |= ring
-    return filled.astype(values.dtype)
+        there |= ring
+    return np.where(known[..., None], values, trend + filled).astype(values.dtype)
+
+
+def _trend(values: np.ndarray, known: np.ndarray) -> np.ndarray:
+    """(H, W, C) float64: the quadratic of row and column that is nearest to the known values."""
+    y, x = (line / max(len(line) - 1, 1) - 0.5 for line in map(np.arange, known.shape))
+    y, x = np.meshgrid(y, x, indexing="ij")
+    terms = np.stack([np.ones_like(x), x, y, x * x, x * y, y * y], axis=-1)
+    chosen = terms[known]
+    inverse = np.linalg.pinv(chosen.T @ chosen, rcond=_STIFF**2, hermitian=True)
+    return terms @ (inverse @ (chosen.T @ values[known].astype(np.float64)))
 
 
 def _moved(picture: np.ndarray, side: tuple[int, int], by: int = 1) -> np.ndarray:

@@ -54,6 +54,9 @@ KIND = "reflector-maps"
 BORDER = 1
 """Texels around each face, so that what lies between its outer texels and the next face's is on both."""
 
+_LEAST_LIKE_A_BALL = 1e-4
+"""Of an ellipsoid: the inverse square of its longest half axis, in mean radii."""
+
 _PATCH_FACE = 4
 """A patch lies before its frame's third axis: on the face +Z."""
 
@@ -93,6 +96,17 @@ class ReflectorMap:
         return float(np.linalg.norm(self.positions[self.covered], axis=1).mean())
 
     @cached_property
+    def ball(self) -> np.ndarray:
+        """(3, 3) float64: takes the unit sphere to the ellipsoid around the centre that is nearest to the reflector."""
+        x, y, z = self.positions[self.covered].T.astype(np.float64) / self.radius
+        squares = np.stack([x * x, y * y, z * z, 2.0 * x * y, 2.0 * x * z, 2.0 * y * z])
+        xx, yy, zz, xy, xz, yz = np.linalg.solve(squares @ squares.T, squares.sum(axis=1))
+        values, vectors = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+        # What is no more like an ellipsoid than this is taken for a sphere.
+        values = values if values.min() > _LEAST_LIKE_A_BALL else np.ones(3)
+        return self.radius * (vectors / np.sqrt(values)) @ vectors.T
+
+    @cached_property
     def turn(self) -> float:
         """Sine of how far the normals turn from their mean; 1 for a whole body."""
         normals = self.normals[self.covered]
@@ -118,7 +132,7 @@ def reflector_maps(
     `settings` holds the values of SIZE, FINER and SPREAD; what `cache` holds is not baked again.
     """
     size, levels, spread = settings[SIZE.name], settings[FINER.name], settings[SPREAD.name]
-    key = key_of(KIND, 1, mesh.positions, mesh.triangles, mesh.normals, size, levels, spread)
+    key = key_of(KIND, 2, mesh.positions, mesh.triangles, mesh.normals, size, levels, spread)
     if cache and (kept := cache.get(KIND, key)):
         return _unpacked(kept.arrays)
     progress("splitting reflectors", 0.0)

@@ -37,11 +37,17 @@ class ResidentMaps:
         matrices = np.array([self.to_world(number + 1) for number in range(len(self.maps))]).reshape(-1, 4, 4)
         scales = np.abs(np.linalg.det(matrices[:, :3, :3])) ** (1.0 / 3.0)
         sizes = [(at, one.size, len(one.positions)) for at, one in zip(first, self.maps, strict=True)]
+        # A patch has no such ball, and no search that would ask for it.
+        balls = np.array([one.ball if one.is_whole else np.eye(3) for one in self.maps]).reshape(-1, 3, 3)
         return {
             "part_maps": np.array(sizes, np.int32),
             "part_reaches": np.array([one.reach for one in self.maps], np.float32),
             "part_radii": (scales * [one.radius for one in self.maps]).astype(np.float32),
             "part_to_world": np.ascontiguousarray(matrices.transpose(0, 2, 1), np.float32),
+            "ball_to_part": np.ascontiguousarray(balls.transpose(0, 2, 1), np.float32),
+            "world_to_ball": np.ascontiguousarray(
+                np.linalg.inv(matrices[:, :3, :3] @ balls).transpose(0, 2, 1), np.float32
+            ),
             # The inverse of the transpose, transposed once more for GL.
             "normal_to_world": np.ascontiguousarray(np.linalg.inv(matrices[:, :3, :3]), np.float32),
         }

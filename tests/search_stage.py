@@ -1,0 +1,124 @@
+"""The search for reflection points on its own: a path, an eye and vertices in, where they are reflected out."""
+
+from collections.abc import Sequence
+from dataclasses import dataclass
+
+import moderngl
+import numpy as np
+import trimesh
+from catoptric.addon.baking.reflector_maps import ReflectorMap, reflector_maps
+from catoptric.addon.baking.reflector_maps_tables import ResidentMaps
+from catoptric.addon.drawing import world_to_clip
+from catoptric.addon.gl import on_gl_thread, program, require
+from catoptric.addon.scene import Camera, Mesh, Scene
+
+from .stage import mesh_of
+
+_ROW = 4096
+_EVERYTHING = 1e30
+
+
+def sphere(subdivisions: int = 5) -> Mesh:
+    """A ball of radius 1 whose vertices and normals are a sphere's."""
+    shape = trimesh.creation.icosphere(subdivisions=subdivisions)
+    mesh = mesh_of(shape, smooth=True)
+    normals = shape.vertices / np.linalg.norm(shape.vertices, axis=1, keepdims=True)
+    return Mesh("ball", normals.astype(np.float32), mesh.triangles, normals[mesh.triangles].astype(np.float32),
+                mesh.uvs, mesh.slots)  # fmt: skip
+
+
+def maps_of(mesh: Mesh, size: int = 512, finer: int = 1, spread: float = 20.0) -> list[ReflectorMap]:
+    """The maps of a mesh, baked anew."""
+    return reflector_maps(mesh, {"map_size": size, "finer": finer, "spread": spread})
+
+
+@dataclass
+class Found:
+    """`directions` (N, 3) of the first reflection points from the part's centre, in its frame; `lean` (N,), below 0
+    where a vertex is behind the reflector; `pixels` (N, 2) from the picture's middle."""
+
+    directions: np.ndarray
+    lean: np.ndarray
+    pixels: np.ndarray
+
+
+@on_gl_thread
+def found(
+    scene: Scene,
+    maps: dict[int, Sequence[ReflectorMap]],
+    path: Sequence[int],
+    eye: Sequence[float],
+    vertices: np.ndarray,
+    steps: int,
+    camera: Camera | None = None,
+    size: tuple[int, int] = (512, 512),
+) -> Found:
+    """Where the GPU finds that `vertices` (N, 3) are reflected on a `path` of parts, numbered from 1 on.
+
+    `eye` is a point and 1, or a direction and 0.
+    """
+    context = require()
+    shader = program("virtual/search.vert", "virtual/search.frag", {"ORDER": len(path)})
+    rows = -(-len(vertices) // _ROW)
+    resident = ResidentMaps(scene, maps)
+    buffer = context.buffer(np.ascontiguousarray(vertices, np.float32))
+    array = context.vertex_array(shader, [(buffer, "3f", "position")])
+    results = [context.texture((_ROW, rows), 4, dtype="f4") for _ in range(2)]
+    target = context.framebuffer(results)
+    values = {
+        "eye": eye,
+        "steps": steps,
+        "results_height": rows,
+        "result_shift": 0,
+        "bundle": (0.0, 0.0, 0.0, _EVERYTHING),
+        "bundle_axis": (0.0, 0.0, 1.0, np.pi),
+        "screen": size,
+        "world_to_clip": tuple(world_to_clip(camera or scene.camera, *size).T.ravel()),
+    }
+    try:
+        resident.bind(shader, 11)
+        resident.choose(shader, path)
+        for name, value in values.items():
+            if name in shader:
+                shader[name] = value
+        target.use()
+        target.clear()
+        context.enable_only(moderngl.NOTHING)
+        array.render(moderngl.POINTS)
+        found_, shown = (np.frombuffer(part.read(), np.float32).reshape(-1, 4)[: len(vertices)] for part in results)
+        return Found(found_[:, :3].astype(float), found_[:, 3], shown[:, :2].astype(float))
+    finally:
+        for part in (target, *results, array, buffer, resident):
+            part.release()
+
+
+def alhazen(eye: np.ndarray, vertices: np.ndarray) -> np.ndarray:
+    """(N, 3) unit: where the unit sphere around 0 reflects `vertices` (N, 3) towards `eye` (4,), a point and 1 or a
+    direction and 0.
+
+    In the plane of eye, centre and vertex: halved between the eye's side and the horizon, where the bisector leans
+    from one side of the normal to the other. A vertex inside is met where its way is mirrored outwards, as 6.1 has it.
+    """
+    towards = eye[:3] / np.linalg.norm(eye[:3])
+    away = vertices @ towards
+    aside = vertices - away[:, None] * towards
+    off = np.linalg.norm(aside, axis=1)
+    aside = aside / np.maximum(off, 1e-300)[:, None]
+    place = np.stack([away, off], axis=1)
+    far = eye[3] == 0.0
+    seen_from = np.array([1.0 if far else np.linalg.norm(eye[:3]), 0.0])
+    low = np.zeros(len(vertices))
+    high = np.minimum(np.arctan2(off, away), np.pi / 2 if far else np.arccos(min(1.0, 1.0 / seen_from[0])))
+    for _ in range(80):
+        middle = 0.5 * (low + high)
+        normal = np.stack([np.cos(middle), np.sin(middle)], axis=1)
+        along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
+        to_eye = np.broadcast_to(seen_from, normal.shape) if far else _unit(seen_from - normal)
+        leans = ((to_eye + _unit(place - normal)) * along).sum(axis=1) > 0.0
+        low, high = np.where(leans, middle, low), np.where(leans, high, middle)
+    angle = 0.5 * (low + high)[:, None]
+    return np.cos(angle) * towards + np.sin(angle) * aside
+
+
+def _unit(vectors: np.ndarray) -> np.ndarray:
+    return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)

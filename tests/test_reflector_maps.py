@@ -1,0 +1,376 @@
+"""Reflector cube maps: what the texels hold, where faces meet, how patches go on, and what they are made from."""
+
+from dataclasses import replace
+
+import numpy as np
+import pytest
+import trimesh
+from catoptric.addon.baking.finer import finer
+from catoptric.addon.baking.grow import grown
+from catoptric.addon.baking.reflector_maps import BORDER, KIND, reflector_maps
+from catoptric.addon.baking.reflector_maps_tables import ResidentMaps
+from catoptric.addon.cache import Cache
+from catoptric.addon.gl import call
+from catoptric.addon.tracing import cut_near
+from hypothesis import given, settings
+from hypothesis import strategies as st
+from hypothesis.extra.numpy import arrays
+
+from .search_stage import maps_of, sphere
+from .stage import looking, mesh_of, placed, scene_of
+
+FACES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
+
+
+def directions(face: int, size: int, reach: float = 1.0) -> np.ndarray:
+    """(N, N, 3) unit: where the texels of a face lie as seen from the centre; those of the border beyond its sides."""
+    inner = size - 2 * BORDER
+    at = reach * (2 * (np.arange(size) - BORDER + 0.5) / inner - 1)
+    u, v = np.meshgrid(at, at)
+    axis, side = face // 2, 1 - 2 * (face % 2)
+    out = np.zeros((size, size, 3))
+    out[..., axis], out[..., (axis + 1) % 3], out[..., (axis + 2) % 3] = side, -side * u, v
+    return unit(out)
+
+
+def unit(vectors):
+    return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
+
+
+def sheet(height=lambda x, y: 0.2 * (x**2 + y**2), count: int = 24, hole: float = 0.0):
+    """An open sheet over a square of 2 m, smooth, that faces up; with a round hole."""
+    x, y = np.meshgrid(np.linspace(-1, 1, count + 1), np.linspace(-1, 1, count + 1))
+    points = np.stack([x, y, height(x, y)], axis=-1).reshape(-1, 3)
+    first = (np.arange(count)[None] + (count + 1) * np.arange(count)[:, None]).reshape(-1)
+    square = first[:, None] + [0, 1, count + 2, 0, count + 2, count + 1]
+    square = square.reshape(-1, 3)
+    square = square[np.linalg.norm(points[square].mean(axis=1)[:, :2], axis=1) >= hole]
+    return mesh_of(trimesh.Trimesh(points, square, process=False), smooth=True)
+
+
+# ------------------------------------------------------------------ whole bodies
+
+
+def test_a_sphere_is_held_to_a_hundred_thousandth():
+    (one,) = maps_of(sphere(6), 512, 2)
+    assert one.positions.shape == (6, 512, 512, 3)
+    assert one.is_whole
+    assert one.covered.all()
+    assert np.abs(np.linalg.norm(one.positions, axis=-1) - 1).max() < 1e-5
+    assert np.abs(np.linalg.norm(one.normals, axis=-1) - 1).max() < 1e-6
+    assert np.linalg.norm(one.normals - unit(one.positions), axis=-1).max() < 2e-6
+    assert one.radius == pytest.approx(1, abs=1e-5)
+    assert one.turn == 1
+
+
+def test_every_texel_lies_in_its_direction():
+    (one,) = maps_of(sphere(4), 64)
+    for face in range(6):
+        assert np.abs(unit(one.positions[face].astype(float)) - directions(face, 64)).max() < 1e-6
+
+
+def test_a_cube_map_sees_each_side_of_a_box_on_its_own_face():
+    box = trimesh.creation.box((2.0, 4.0, 6.0))
+    box.apply_translation((5, 0, 0))
+    (one,) = maps_of(mesh_of(box), 32, 0)
+    assert np.allclose(one.to_mesh[:3, 3], (5, 0, 0), atol=1e-6)
+    for face, normal in enumerate(FACES):
+        middle = one.positions[face, 15:17, 15:17].mean(axis=(0, 1))
+        assert np.allclose(middle, normal * (1, 2, 3), atol=1e-4)
+        assert np.allclose(one.normals[face, 16, 16], normal, atol=1e-6)
+
+
+def test_faces_meet_at_their_borders():
+    (one,) = maps_of(mesh_of(_egg(), smooth=True), 64)
+    for face in range(6):
+        ways = directions(face, 64)
+        edge = np.ones((64, 64), bool)
+        edge[BORDER:-BORDER, BORDER:-BORDER] = False
+        corner = np.zeros((64, 64), bool)
+        corner[np.ix_((0, -1), (0, -1))] = True
+        edge &= ~corner
+        # The same direction, looked up in the middle of the face next door.
+        for way, position, normal in zip(ways[edge], one.positions[face][edge], one.normals[face][edge], strict=True):
+            other = int(np.abs(way).argmax()) * 2 + int(way[np.abs(way).argmax()] < 0)
+            assert other != face
+            there = _looked_up(one, other, way)
+            assert np.linalg.norm(there[0] - position) < 1e-3
+            assert np.linalg.norm(unit(there[1]) - normal) < 3e-3
+
+
+def _egg():
+    egg = trimesh.creation.icosphere(subdivisions=4)
+    egg.apply_scale((1.0, 0.7, 1.3))
+    return egg
+
+
+def _looked_up(one, face, way):
+    """Position and normal on a face where a direction meets it, between its texels."""
+    axis, side = face // 2, 1 - 2 * (face % 2)
+    at = np.array([-side * way[(axis + 1) % 3], way[(axis + 2) % 3]]) / abs(way[axis])
+    place = (at + 1) / 2 * (one.size - 2 * BORDER) + BORDER - 0.5
+    cell = np.floor(place).astype(int)
+    (x, y), (column, row) = place - cell, cell
+    weights = np.array([(1 - y) * (1 - x), (1 - y) * x, y * (1 - x), y * x])
+    texels = [values[face, row : row + 2, column : column + 2].reshape(4, 3) for values in (one.positions, one.normals)]
+    return [weights @ four for four in texels]
+
+
+@pytest.mark.parametrize("scale", [(1.0, 1.0, 1.0), (3.0, 1.0, 0.4)])
+def test_the_nearest_ellipsoid_of_an_ellipsoid_is_itself(scale):
+    body = trimesh.creation.icosphere(subdivisions=4)
+    turn = trimesh.transformations.rotation_matrix(0.8, (1, 2, 3))[:3, :3]
+    body.vertices = body.vertices * scale @ turn.T
+    (one,) = maps_of(mesh_of(body, smooth=True), 32, 0)
+    onto = np.linalg.inv(one.ball) @ one.positions.reshape(-1, 3).T
+    assert np.abs(np.linalg.norm(onto, axis=0) - 1).max() < 0.01
+    assert np.allclose(one.ball, one.ball.T)
+
+
+# ------------------------------------------------------------------ patches
+
+
+def test_a_patch_has_one_face_that_its_frame_and_reach_describe():
+    (one,) = maps_of(sheet(), 256, spread=35.0)
+    assert one.positions.shape == (1, 64, 64, 3)
+    assert not one.is_whole
+    frame = one.part.frame
+    assert np.allclose(frame @ frame.T, np.eye(3), atol=1e-9)
+    assert np.linalg.det(frame) == pytest.approx(1)
+    assert 0 < one.reach <= 1
+    covered = one.covered[0]
+    assert covered.mean() > 0.3
+    assert np.abs(unit(one.positions[0].astype(float)) - directions(4, 64, one.reach))[covered].max() < 1e-6
+    places = one.positions[0][covered] @ one.to_mesh[:3, :3].T + one.to_mesh[:3, 3]
+    assert np.abs(places[:, 2] - 0.2 * (places[:, :2] ** 2).sum(axis=1)).max() < 1e-3
+    normals = one.normals[0][covered] @ frame
+    exact = unit(np.c_[-0.4 * places[:, :2], np.ones(len(places))])
+    assert np.linalg.norm(normals - exact, axis=1).max() < 0.02
+
+
+def test_what_a_patch_does_not_cover_goes_on_smoothly():
+    (one,) = maps_of(sheet(hole=0.4), 512, spread=35.0)
+    covered = one.covered[0]
+    assert 0.02 < (~covered).mean() < 0.9
+    assert np.isfinite(one.positions).all()
+    assert np.abs(np.linalg.norm(one.normals, axis=-1) - 1).max() < 1e-5
+    places = one.positions[0] @ one.to_mesh[:3, :3].T + one.to_mesh[:3, 3]
+    inside = ~covered & (np.linalg.norm(places[..., :2], axis=-1) < 0.4)
+    assert inside.sum() > 20
+    exact = 0.2 * (places[..., :2] ** 2).sum(axis=-1)
+    assert np.abs(places[..., 2] - exact)[inside].max() < 0.02
+    # Normals along the rim, of an edge with teeth, are uneven themselves.
+    for values, most in ((one.positions[0], 2), (one.normals[0], 4)):
+        steps = np.linalg.norm(np.diff(values, axis=0), axis=-1)
+        assert steps.max() < most * steps[covered[1:] & covered[:-1]].max()
+
+
+def test_a_flat_patch_is_flat_all_over():
+    parts = maps_of(sheet(lambda x, y: 0 * x), 64, 2)
+    for one in parts:
+        places = one.positions[0].astype(float) @ one.to_mesh[:3, :3].T + one.to_mesh[:3, 3]
+        assert np.abs(places[..., 2]).max() < 1e-5
+        assert one.turn < 1e-6
+
+
+# ------------------------------------------------------------------ on the GPU
+
+
+def test_an_instance_is_scaled_and_turned_as_its_matrix_says():
+    matrix = placed((1, 2, 3), (2.0, 0.5, 1.0), 0.7, (1, 1, 0))
+    maps = maps_of(sphere(4), 32, 0)
+    scene = scene_of([(sphere(4), np.eye(4), False), (sphere(4), matrix, True)], looking((0, -5, 0)))
+    resident = call(ResidentMaps, scene, {1: maps})
+    try:
+        assert np.allclose(resident.to_world(1) @ (0, 0, 1, 1), matrix @ (0, 0, 1, 1), atol=1e-6)
+        half = np.linalg.norm(matrix[:3, :3], axis=1)
+        assert np.allclose(resident.boxes[0], [(1, 2, 3) - half, (1, 2, 3) + half], atol=0.01)
+        assert resident.owner.tolist() == [1]
+        assert resident.left_out(1) == 1
+        assert resident.size_bytes > 6 * 32 * 32 * 2 * 16
+    finally:
+        call(resident.release)
+
+
+def test_instances_share_the_texels_of_their_mesh():
+    maps = maps_of(sphere(3), 32, 0)
+    scene = scene_of([(sphere(3), placed((x, 0, 0)), True) for x in (0, 3, 6)], looking((0, -5, 0)))
+    one, three = (call(ResidentMaps, scene, dict.fromkeys(range(n), maps)) for n in (1, 3))
+    try:
+        assert three.size_bytes < 1.5 * one.size_bytes
+        assert three.owner.tolist() == [0, 1, 2]
+    finally:
+        call(one.release)
+        call(three.release)
+
+
+# ------------------------------------------------------------------ the cache
+
+
+def same(one, other) -> bool:
+    return all(
+        np.array_equal(getattr(a, name), getattr(b, name))
+        and np.array_equal(getattr(a.part, own), getattr(b.part, own))
+        for a, b in zip(one, other, strict=True)
+        for name in ("positions", "normals", "covered")
+        for own in ("triangles", "margin", "centre", "frame", "reach", "curvature")
+    )
+
+
+def test_maps_come_back_from_the_cache_bit_by_bit(tmp_path):
+    cache, wanted = Cache(tmp_path), {"map_size": 64, "finer": 1, "spread": 20.0}
+    mesh = sheet(lambda x, y: np.sin(2 * x))
+    fresh = reflector_maps(mesh, wanted, cache)
+    (path,) = tmp_path.rglob("*.npz")
+    assert len(fresh) > 1
+    assert same(reflector_maps(mesh, wanted, cache), fresh)
+    # Proof that it is read, not baked: what lies there is what comes.
+    entry = cache.get(KIND, path.stem)
+    entry.arrays["0_positions"][:] = 7.0
+    cache.put(KIND, path.stem, *entry)
+    assert (reflector_maps(mesh, wanted, cache)[0].positions == 7.0).all()
+    path.write_bytes(path.read_bytes()[:-1000])
+    assert same(reflector_maps(mesh, wanted, cache), fresh)
+    assert cache.get(KIND, path.stem) is not None
+
+
+@pytest.mark.parametrize("change", ["positions", "normals", "map_size", "finer", "spread"])
+def test_whatever_changes_a_map_bakes_it_anew(change, tmp_path):
+    cache, wanted, mesh = Cache(tmp_path), {"map_size": 32, "finer": 0, "spread": 20.0}, sheet(count=6)
+    reflector_maps(mesh, wanted, cache)
+    if change in wanted:
+        wanted[change] += 10
+        wanted["finer"] = min(wanted["finer"], 1)
+    else:
+        mesh = replace(mesh, **{change: getattr(mesh, change) * np.float32(1.01)})
+    reflector_maps(mesh, wanted, cache)
+    assert len(list(tmp_path.rglob("*.npz"))) == 2
+
+
+# ------------------------------------------------------------------ finer
+
+
+def test_finer_brings_a_ball_nearer_to_its_sphere():
+    mesh = sphere(2)
+    errors = []
+    for levels in range(4):
+        corners, normals = finer(mesh.corners.astype(float), mesh.normals.astype(float), levels)
+        assert len(corners) == len(mesh.triangles) * 4**levels
+        assert np.allclose(np.linalg.norm(normals, axis=2), 1, atol=1e-6)
+        errors.append(np.abs(np.linalg.norm(corners.mean(axis=1), axis=1) - 1).max())
+    # A piece's middle lies below the sphere by the square of its size, till what is left is the cubic's own error.
+    assert errors[1] < 0.3 * errors[0]
+    assert errors[2] < 0.4 * errors[1]
+    assert errors[3] < 1e-3
+
+
+@settings(deadline=None, max_examples=30)
+@given(seed=st.integers(0, 10_000), levels=st.integers(0, 3))
+def test_finer_leaves_what_is_flat_flat(seed, levels):
+    rng = np.random.default_rng(seed)
+    turn = np.linalg.qr(rng.normal(size=(3, 3)))[0]
+    flat = np.concatenate([rng.normal(size=(5, 3, 2)), np.zeros((5, 3, 1))], axis=2) @ turn.T
+    normals = np.broadcast_to(turn[:, 2], flat.shape)
+    corners, turned = finer(flat, normals, levels)
+    assert np.abs(corners @ turn[:, 2]).max() < 1e-12
+    assert np.allclose(turned, turn[:, 2])
+    area = np.linalg.norm(np.cross(flat[:, 1] - flat[:, 0], flat[:, 2] - flat[:, 0]), axis=1).sum()
+    pieces = np.linalg.norm(np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]), axis=1).sum()
+    assert pieces == pytest.approx(area)
+
+
+@settings(deadline=None, max_examples=30)
+@given(seed=st.integers(0, 10_000), levels=st.integers(1, 3))
+def test_finer_keeps_neighbours_together(seed, levels):
+    rng = np.random.default_rng(seed)
+    points, normals = rng.normal(size=(4, 3)), unit(rng.normal(size=(4, 3)) + (0, 0, 3))
+    corners, turned = finer(points[[[0, 1, 2], [2, 1, 3]]], normals[[[0, 1, 2], [2, 1, 3]]], levels)
+    one, other = corners.reshape(2, -1, 3)
+    apart = np.linalg.norm(one[:, None] - other[None], axis=2)
+    # The points along the edge that they share stand in both.
+    assert len(np.unique(np.round(one[(apart < 1e-9).any(axis=1)], 9), axis=0)) == 2**levels + 1
+    shared = np.argwhere(apart < 1e-9)
+    ours, theirs = turned.reshape(2, -1, 3)
+    assert np.allclose(ours[shared[:, 0]], theirs[shared[:, 1]])
+
+
+# ------------------------------------------------------------------ grown
+
+
+@settings(deadline=None, max_examples=30)
+@given(known=arrays(bool, st.tuples(st.integers(2, 9), st.integers(2, 9))), seed=st.integers(0, 99))
+def test_grown_keeps_what_is_known_and_makes_up_the_rest(known, seed):
+    values = np.random.default_rng(seed).normal(size=(*known.shape, 2)).astype(np.float32)
+    full = grown(np.where(known[..., None], values, np.nan).astype(np.float32), known)
+    assert np.array_equal(full[known], values[known])
+    assert full.dtype == np.float32
+    assert np.isfinite(full).all()
+    assert known.any() or (full == 0).all()
+
+
+@pytest.mark.parametrize("holed", [False, True])
+def test_grown_goes_on_as_a_bowl_does(holed):
+    y, x = np.mgrid[0:20, 0:30].astype(float)
+    bowl = np.stack([1 + 2 * x - 3 * y + 0.1 * x * x, x * y], axis=-1)
+    known = ((x - 12) ** 2 + (y - 9) ** 2 < 36) != holed
+    assert np.abs(grown(bowl, known) - bowl).max() < 1e-6 * np.abs(bowl).max()
+
+
+def test_grown_goes_on_as_a_wave_does_beside_it_and_never_runs_away():
+    y, x = np.mgrid[0:64, 0:64].astype(float)
+    wave = np.sin(x / 6)[..., None] + 0.02 * y[..., None]
+    known = (x - 32) ** 2 + (y - 32) ** 2 > 200
+    full = grown(wave, known)
+    beside = ~known & ((x - 32) ** 2 + (y - 32) ** 2 > 170)
+    assert np.abs(full - wave)[beside].max() < 0.1
+    assert np.abs(full - wave).max() < 2.0
+
+
+# ------------------------------------------------------------------ cut_near
+
+
+@settings(deadline=None, max_examples=40)
+@given(seed=st.integers(0, 10_000), share=st.floats(0.1, 2.0), count=st.integers(1, 6), near=st.integers(0, 3))
+def test_pieces_tile_their_triangles_and_are_short_enough(seed, share, count, near):
+    rng = np.random.default_rng(seed)
+    corners = rng.normal(size=(count, 3, 3)) * 4
+    low = rng.normal(size=(near, 3)) * 3
+    boxes = np.stack([low, low + rng.uniform(0, 2, size=(near, 3))], axis=1)
+    least = rng.uniform(0.2, 1.0, size=near)
+    pieces, source = cut_near(corners, boxes, share, least)
+    areas = np.linalg.norm(np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0]), axis=1)
+    whole = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
+    assert np.allclose(np.bincount(source, areas, count), np.linalg.norm(whole, axis=1))
+    # Each piece lies in the triangle that it is said to be of, and faces its way.
+    ab, ac = (corners[source, None, k] - corners[source, None, 0] for k in (1, 2))
+    flat = whole[source, None]
+    square = (flat * flat).sum(axis=-1)
+    off = pieces - corners[source, None, 0]
+    u, v = ((np.cross(*pair) * flat).sum(axis=-1) / square for pair in ((off, ac), (ab, off)))
+    assert min(u.min(), v.min(), (1 - u - v).min()) > -1e-9
+    ways = np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0])
+    assert ((ways * whole[source]).sum(axis=1) >= 0).all()
+    longest = np.linalg.norm(np.roll(pieces, -1, axis=1) - pieces, axis=2).max(axis=1)
+    for box, enough in zip(boxes, least, strict=True):
+        gap = np.maximum(np.maximum(box[0] - pieces.max(axis=1), pieces.min(axis=1) - box[1]), 0)
+        assert (longest <= np.maximum(share * np.linalg.norm(gap, axis=1), enough) * (1 + 1e-12)).all()
+
+
+@settings(deadline=None, max_examples=20)
+@given(most=st.integers(3, 200), seed=st.integers(0, 1000))
+def test_no_more_pieces_than_allowed(most, seed):
+    corners = np.random.default_rng(seed).normal(size=(3, 3, 3)) * 10
+    box = np.array([[[-1.0, -1, -1], [1, 1, 1]]])
+    pieces, source = cut_near(corners, box, 0.05, np.array([0.01]), most)
+    assert len(pieces) == len(source) <= most
+    assert set(source) == {0, 1, 2}
+
+
+def test_nothing_is_cut_where_nothing_reflects():
+    corners = np.random.default_rng(1).normal(size=(4, 3, 3)) * 100
+    pieces, source = cut_near(corners, np.zeros((0, 2, 3)), 0.1, np.zeros(0))
+    assert np.array_equal(pieces, corners)
+    assert source.tolist() == [0, 1, 2, 3]
+    pieces, source = cut_near(corners[:0], np.zeros((0, 2, 3)), 0.1, np.zeros(0))
+    assert pieces.shape == (0, 3, 3)
+    assert source.shape == (0,)
