@@ -10,6 +10,7 @@ from typer.exceptions import TyperException
 
 from ..addon.baking.engine_export import CUBE_SIZE, PARAMETERS
 from ..addon.baking.layered_depth import LAYERS, RESOLUTION
+from ..addon.baking.reflector_maps import FINER, SIZE, SPREAD
 from ..addon.errors import Cancelled, UsageError
 from ..addon.methods.registry import METHODS
 from ..addon.parameters import resolve
@@ -137,13 +138,17 @@ def plates(
 @app.command()
 def bake(
     scene: SceneName,
-    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the layered depth textures.")],
+    out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the textures.")],
     lighting: Light = Lighting.UNLIT,
     resolution: Annotated[int, typer.Option(help=RESOLUTION.help + ".")] = RESOLUTION.default,
     layers: Annotated[int, typer.Option(help=LAYERS.help + ".")] = LAYERS.default,
+    map_size: Annotated[int, typer.Option(help=SIZE.help + ".")] = SIZE.default,
+    finer: Annotated[int, typer.Option(help=FINER.help + ".")] = FINER.default,
+    spread: Annotated[float, typer.Option(help=SPREAD.help + ".")] = SPREAD.default,
 ) -> int:
-    """Write a scene's layered depth textures, one EXR for each object and layer."""
-    settings = resolve((RESOLUTION, LAYERS), {RESOLUTION.name: resolution, LAYERS.name: layers})
+    """Write a scene's layered depth textures, one EXR an object and layer, and cube maps, one EXR a reflector."""
+    chosen = {"resolution": resolution, "layers": layers, "map_size": map_size, "finer": finer, "spread": spread}
+    settings = resolve(tasks.BAKE, chosen)
     with Terminal() as terminal:
         tasks.bake(locate(scene), lighting, settings, out, terminal)
     return 0

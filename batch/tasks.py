@@ -4,7 +4,10 @@ from collections.abc import Mapping, Sequence
 from pathlib import Path
 
 from ..addon.baking.engine_export import export_for_engine
+from ..addon.baking.layered_depth import LAYERS, RESOLUTION
 from ..addon.baking.layered_depth_atlas import bake_scene
+from ..addon.baking.reflector_maps_export import PARAMETERS as MAPS
+from ..addon.baking.reflector_maps_export import export_maps
 from ..addon.baking.regions import Removed, region_view
 from ..addon.cache import Cache
 from ..addon.drawing import Resident
@@ -23,6 +26,9 @@ from .options import parse_names
 from .pictures import save_exr, save_png
 from .progress import Bar, Terminal
 from .sources import Source
+
+BAKE = (RESOLUTION, LAYERS, *MAPS)
+"""Parameters of `bake`."""
 
 _WRITERS = {".exr": save_exr, ".png": save_png}
 
@@ -59,14 +65,18 @@ def render(
 
 
 def bake(source: Source, lighting: Lighting, settings: Mapping[str, Value], out: Path, terminal: Terminal) -> None:
-    """Write the layered depth textures of every reflected object to the folder `out`, one EXR a layer.
+    """Write the layered depth textures of every reflected object to the folder `out`, one EXR a layer, and the cube
+    maps of every reflector, one EXR each.
 
-    `settings` holds RESOLUTION and LAYERS. With lightmaps, the scene that holds them is written too, and
+    `settings` holds BAKE. With lightmaps, the scene that holds them is written too, and
     regions.png shows where on the reflectors an object may appear (Zhang et al., 3.2).
     """
     bar = terminal.bar(source.name)
     scene = _scene(source, lighting, None, terminal, bar)
-    written = bake_scene(scene, lighting, out, dict(settings), Cache(), bar.step("layers", 0.6, 1.0))
+    layered = {one.name: settings[one.name] for one in (RESOLUTION, LAYERS)}
+    written = bake_scene(scene, lighting, out, layered, Cache(), bar.step("layers", 0.6, 0.9))
+    mapped = {one.name: settings[one.name] for one in MAPS}
+    written += export_maps(scene, out, mapped, Cache(), bar.step("maps", 0.9, 1.0))
     if lighting is Lighting.CYCLES:
         written.append(out / f"{source.name}{EXTENSION}")
         save(scene, written[-1])

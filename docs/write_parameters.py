@@ -4,11 +4,11 @@ from collections.abc import Sequence
 from pathlib import Path
 
 from ..addon.baking.engine_export import PARAMETERS as EXPORT
-from ..addon.baking.layered_depth import LAYERS, RESOLUTION
 from ..addon.methods.contract import Method
 from ..addon.methods.registry import METHODS
 from ..addon.parameters import Parameter
 from ..batch.manual import allowed, limitations, summary, with_unit
+from ..batch.tasks import BAKE
 
 PAGE = Path(__file__).with_name("parameters.md")
 
@@ -34,7 +34,7 @@ BAKES = """\
 def page() -> str:
     """The whole of parameters.md."""
     parts = [HEAD, *(_section(method) for method in METHODS.values())]
-    parts += [BAKES, "### bake\n", _table((RESOLUTION, LAYERS)), "### export-engine\n", _table(EXPORT)]
+    parts += [BAKES, "### bake\n", _table(BAKE), "### export-engine\n", _table(EXPORT)]
     return "\n".join(parts)
 
 

@@ -13,6 +13,7 @@ import bpy
 import numpy as np
 import pytest
 from catoptric.addon.baking.layered_depth_atlas import read_atlas
+from catoptric.addon.baking.reflector_maps_export import read_maps
 from catoptric.addon.methods.registry import METHODS
 from catoptric.batch.cli import main
 from catoptric.batch.pictures import load_picture
@@ -182,12 +183,14 @@ def test_comparing_an_archive_says_that_cycles_is_left_out(archive, tmp_path, ca
 
 
 def test_bake_writes_a_picture_for_each_object_and_layer(blend, tmp_path, capsys):
-    assert main(["bake", str(blend), "--out", str(tmp_path), "--resolution", "16"]) == 0
+    assert main(["bake", str(blend), "--out", str(tmp_path), "--resolution", "16", "--map-size", "32"]) == 0
     written = sorted(path.name for path in tmp_path.iterdir())
-    assert {"Ball_layer-1.exr", "Box_layer-1.exr", "Floor_layer-1.exr"} <= set(written)
+    assert {"Ball_layer-1.exr", "Box_layer-1.exr", "Floor_layer-1.exr", "Ball_reflector-maps.exr"} <= set(written)
     pixels, metadata = read_atlas(tmp_path / "Box_layer-1.exr")
     assert pixels.shape[:2] == (2 * 16, 3 * 16)
     assert metadata["object"] == "Box"
+    (ball,) = read_maps(tmp_path / "Ball_reflector-maps.exr")
+    assert ball.positions.shape == (6, 32, 32, 3)
     *files, regions = capsys.readouterr().out.splitlines()
     assert sorted(Path(line).name for line in files) == written
     assert "regions.png" in written

@@ -58,15 +58,31 @@ def write_exr(
 
     It appears whole or not at all. Raises `MachineError` where it cannot be written.
     """
+    write_exr_parts(path, [(pixels, attributes or {})], channels, half)
+
+
+def write_exr_parts(
+    path: Path, parts: Sequence[tuple[np.ndarray, Mapping[str, str]]], channels: Sequence[str], half: bool = False
+) -> None:
+    """Write pictures of any sizes, each with its attributes, as the parts of one EXR; else as `write_exr`."""
     import OpenImageIO as oiio  # Blender brings it; the rest of the bake does without
 
-    spec = oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], oiio.HALF if half else oiio.FLOAT)
-    spec.channelnames = tuple(channels)
-    spec.attribute("compression", "zip")
-    for key, value in (attributes or {}).items():
-        spec.attribute(key, value)
+    specs = []
+    for number, (pixels, attributes) in enumerate(parts, 1):
+        specs.append(
+            oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], oiio.HALF if half else oiio.FLOAT)
+        )
+        specs[-1].channelnames = tuple(channels)
+        specs[-1].attribute("compression", "zip")
+        if len(parts) > 1:
+            specs[-1].attribute("oiio:subimagename", f"part-{number}")
+        for key, value in attributes.items():
+            specs[-1].attribute(key, value)
     with whole(path) as temporary:
         output = oiio.ImageOutput.create(str(temporary))
-        done = output.open(str(temporary), spec) and output.write_image(np.ascontiguousarray(pixels, np.float32))
+        done = output.open(str(temporary), tuple(specs))
+        for number, (pixels, _) in enumerate(parts):
+            done = done and (number == 0 or output.open(str(temporary), specs[number], "AppendSubimage"))
+            done = done and output.write_image(np.ascontiguousarray(pixels, np.float32))
         if not (done and output.close()):
             raise MachineError(f"cannot write {path}: {output.geterror()}; free some space or choose another folder")
