@@ -99,7 +99,7 @@ def test_each_mirror_shows_what_its_method_alone_does(scene, frames, mixed, pair
 def test_the_pictures_to_mix_differ(scene, frames):
     owner = seen(scene)
     # environment-map at rest, and what is as exact as layered-depth where nothing is rough
-    alike = {"environment-map-dynamic", "planar", "glossy-planes", "glossy-planar"}
+    alike = {"environment-map-dynamic", "virtual-objects", "planar", "glossy-planes", "glossy-planar"}
     for one, other in combinations(set(TECHNIQUES) - alike, 2):
         for instance in (0, 1):
             mine = owner == instance

@@ -9,6 +9,7 @@ import numpy as np
 from ..drawing import first_triangles
 from ..gl import DataTexture
 from ..scene import Scene
+from ..tracing import Curvature
 from .reflector_maps import ReflectorMap
 
 UNITS = 2
@@ -35,14 +36,12 @@ class ResidentMaps:
     def _by_part(self, first: Sequence[int]) -> dict[str, np.ndarray]:
         """The uniforms of gpu_shaders/virtual that say which part it is, a row for each."""
         matrices = np.array([self.to_world(number + 1) for number in range(len(self.maps))]).reshape(-1, 4, 4)
-        scales = np.abs(np.linalg.det(matrices[:, :3, :3])) ** (1.0 / 3.0)
         sizes = [(at, one.size, len(one.positions)) for at, one in zip(first, self.maps, strict=True)]
         # A patch has no such ball, and no search that would ask for it.
         balls = np.array([one.ball if one.is_whole else np.eye(3) for one in self.maps]).reshape(-1, 3, 3)
         return {
             "part_maps": np.array(sizes, np.int32),
             "part_reaches": np.array([one.reach for one in self.maps], np.float32),
-            "part_radii": (scales * [one.radius for one in self.maps]).astype(np.float32),
             "part_to_world": np.ascontiguousarray(matrices.transpose(0, 2, 1), np.float32),
             "ball_to_part": np.ascontiguousarray(balls.transpose(0, 2, 1), np.float32),
             "world_to_ball": np.ascontiguousarray(
@@ -61,6 +60,12 @@ class ResidentMaps:
         """(4, 4) float64 from the frame of a part to the world."""
         return self._scene.instances[self.owner[part - 1]].matrix @ self.maps[part - 1].to_mesh
 
+    def directions_of(self, part: int, points: np.ndarray) -> np.ndarray:
+        """(N, 3) float32 unit directions from a part's centre, in its frame, to world points (N, 3)."""
+        matrix = np.linalg.inv(self.to_world(part))
+        ways = points @ matrix[:3, :3].T + matrix[:3, 3]
+        return (ways / np.maximum(np.linalg.norm(ways, axis=1, keepdims=True), 1e-30)).astype(np.float32)
+
     @cached_property
     def boxes(self) -> np.ndarray:
         """(P, 2, 3) float64 low and high corners of the parts in the world."""
@@ -77,6 +82,10 @@ class ResidentMaps:
         sizes = np.linalg.norm(self.boxes[:, 1] - self.boxes[:, 0], axis=1) / 2.0
         with np.errstate(divide="ignore"):
             return sizes / np.array([one.turn for one in self.maps])
+
+    def is_concave(self, path: Sequence[int]) -> bool:
+        """Whether any of some parts is hollow, so that a point may show more than once in it."""
+        return any(self.maps[part - 1].part.curvature is Curvature.CONCAVE for part in path)
 
     def left_out(self, part: int) -> int:
         """The instance that a ray from a part cannot meet: its own, if that is convex; else -1."""

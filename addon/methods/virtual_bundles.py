@@ -7,6 +7,9 @@ import numpy as np
 SLACK = 0.02
 """Radians that the rays of other samples of the same pixels may go beside."""
 
+SAMPLES = 16
+"""Rays of a bundle that searches begin from; gpu_shaders/virtual/newton.glsl holds the same number."""
+
 
 @dataclass(frozen=True, eq=False)
 class Bundle:
@@ -14,7 +17,8 @@ class Bundle:
 
     `path`: the numbers of the parts that it is reflected at, from the eye on. The rays begin in a ball (`centre` (3,),
     `radius`) and go along `axis` (3,) or up to `spread`, in radians, off it. `bounds`: the pixels that they are seen
-    in, and one around: left, bottom, and right and top beyond, row 0 at the bottom.
+    in, and one around: left, bottom, and right and top beyond, row 0 at the bottom. `samples` (SAMPLES, 2, 3): where
+    some of the rays begin and where they go, and `met` where each part of the path reflects them, (SAMPLES, 3) each.
     """
 
     path: tuple[int, ...]
@@ -23,6 +27,8 @@ class Bundle:
     axis: np.ndarray
     spread: float
     bounds: tuple[int, int, int, int]
+    samples: np.ndarray
+    met: tuple[np.ndarray, ...]
 
     def reaches(self, centres: np.ndarray, radii: np.ndarray) -> np.ndarray:
         """(N,) bool: whether a ray may meet each of the balls of `centres` (N, 3) and `radii` (N,)."""
@@ -34,8 +40,12 @@ class Bundle:
         return (away <= near) | (np.arccos(np.clip(cosine, -1.0, 1.0)) <= widened)
 
 
-def bundles_of(origins: np.ndarray, directions: np.ndarray, order: int) -> list[Bundle]:
-    """The bundles of a picture's rays, (H, W, 4) each as gpu_shaders/virtual/rays.glsl writes them."""
+def bundles_of(origins: np.ndarray, directions: np.ndarray, before: np.ndarray | None = None) -> list[Bundle]:
+    """The bundles of a picture's rays, (H, W, 4) each as gpu_shaders/virtual/rays.glsl writes them.
+
+    `before` (H, W, 4): where the rays began that these are mirrored from, unless they come from the camera.
+    """
+    order = 1 if before is None else 2
     rows, columns = np.nonzero(origins[..., 3])
     starts, ways = origins[rows, columns], directions[rows, columns]
     number = starts[:, 3].astype(np.int64) + (ways[:, 3].astype(np.int64) << 32)
@@ -51,6 +61,8 @@ def bundles_of(origins: np.ndarray, directions: np.ndarray, order: int) -> list[
     cosines = np.minimum.reduceat((ways[:, :3] * np.repeat(axes, counts, axis=0)).sum(axis=1), first)
     edges = [np.minimum.reduceat(part, first) - 1 for part in (columns, rows)]
     edges += [np.maximum.reduceat(part, first) + 2 for part in (columns, rows)]
+    chosen = first[:, None] + (np.arange(SAMPLES) + 0.5) / SAMPLES * counts[:, None]
+    chosen = chosen.astype(int)
     return [
         Bundle(
             tuple(int(part) for part in (number[at] >> 32, number[at] & 0xFFFFFFFF))[2 - order :],
@@ -59,6 +71,8 @@ def bundles_of(origins: np.ndarray, directions: np.ndarray, order: int) -> list[
             axes[row],
             float(np.arccos(np.clip(cosines[row], -1.0, 1.0))) + SLACK,
             tuple(int(edge[row]) for edge in edges),
+            np.stack([starts[chosen[row], :3], ways[chosen[row], :3]], axis=1),
+            tuple(part[rows[chosen[row]], columns[chosen[row]], :3] for part in (before, origins)[2 - order :]),
         )
         for row, at in enumerate(first)
     ]

@@ -21,7 +21,7 @@ _BYTES = 16
 _FIRST_CAPACITY = 1 << 18
 _MAPS_UNIT = FREE_UNIT + 1
 _RESULTS_UNIT = _MAPS_UNIT + UNITS
-_SOURCES_UNIT = _RESULTS_UNIT + 2
+_SOURCES_UNIT = _RESULTS_UNIT + 3
 
 
 class _Search(NamedTuple):
@@ -84,7 +84,7 @@ class Images:
                 self._target.release()
                 for texture in self._results:
                     texture.release()
-            self._results = [require().texture((_ROW, height), 4, dtype="f4") for _ in range(2)]
+            self._results = [require().texture((_ROW, height), 4, dtype="f4") for _ in range(3)]
             self._target = require().framebuffer(self._results)
         return searches
 
@@ -100,6 +100,7 @@ class Images:
             "results_height": self._target.height,
             "results": _RESULTS_UNIT,
             "results_shown": _RESULTS_UNIT + 1,
+            "results_again": _RESULTS_UNIT + 2,
         }
         for shader in (self._search, self._emit):
             self._maps.bind(shader, _MAPS_UNIT)
@@ -114,13 +115,27 @@ class Images:
         chosen = None
         for bundle, first, end, result in searches:
             if bundle is not chosen:
-                self._maps.choose(self._search, bundle.path)
-                self._search["bundle"] = *bundle.centre, bundle.radius
-                self._search["bundle_axis"] = *bundle.axis, bundle.spread
+                self._choose(self._search, bundle)
                 chosen = bundle
             begin, count = self._scene.points[first], self._scene.points[end] - self._scene.points[first]
             self._search["result_shift"] = int(result - begin)
             self._points.render(moderngl.POINTS, vertices=int(count), first=int(begin))
+
+    def _choose(self, shader: moderngl.Program, bundle: Bundle) -> None:
+        """Have a shader search the path of a bundle."""
+        self._maps.choose(shader, bundle.path)
+        starts = [self._maps.directions_of(part, points) for part, points in zip(bundle.path, bundle.met, strict=True)]
+        uniforms = {
+            "sample_origins": bundle.samples[:, 0],
+            "sample_directions": bundle.samples[:, 1],
+            "sample_starts": np.concatenate(starts),
+        }
+        shader["concave"] = self._maps.is_concave(bundle.path)
+        shader["bundle"] = *bundle.centre, bundle.radius
+        shader["bundle_axis"] = *bundle.axis, bundle.spread
+        for name, value in uniforms.items():
+            if name in shader:
+                shader[name].write(np.ascontiguousarray(value, np.float32).tobytes())
 
     def _emit_rectangles(self, bundles: Sequence[Bundle], searches: Sequence[_Search]) -> int:
         """Write what was found as rectangles; how many corners they would have, given room."""
@@ -142,7 +157,7 @@ class Images:
         return int(first[-1])
 
     def _emit_path(self, bundle: Bundle, searches: Sequence[_Search]) -> None:
-        self._maps.choose(self._emit, bundle.path)
+        self._choose(self._emit, bundle)
         self._emit["bounds"] = bundle.bounds
         self._emit["left_out"] = self._maps.left_out(bundle.path[-1])
         for _, first, end, result in searches:

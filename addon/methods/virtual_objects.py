@@ -39,7 +39,7 @@ ORDERS = Parameter(
 SHARE = Parameter(
     "share",
     "Piece size",
-    0.35,
+    0.25,
     "Triangles are cut until no edge is longer than this share of its distance from a reflector",
     minimum=0.05,
     maximum=10.0,

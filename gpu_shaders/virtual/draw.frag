@@ -8,15 +8,12 @@ flat in ivec2 shown;  // triangle, instance
 
 out uvec2 seen;
 
-const float SLACK = 1e-6;    // so that rays between two triangles meet one
-
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
-    vec4 origin = texelFetch(ray_origins, pixel, 0);
-    if (origin.w != path.x || texelFetch(ray_directions, pixel, 0).w != path.y) discard;
-    vec3 met = met_on(pixel, shown.y, shown.x);
-    bool inside = met.x >= -SLACK && met.y >= -SLACK && met.x + met.y <= 1.0 + SLACK;
-    if (!inside || !(met.z > 1e-5 * (1.0 + length(origin.xyz)))) discard;
+    vec2 parts = vec2(texelFetch(ray_origins, pixel, 0).w, texelFetch(ray_directions, pixel, 0).w);
+    if (parts != path) discard;
+    float distance = hit_distance(pixel, shown.y, shown.x);
+    if (distance == FAR_AWAY) discard;
     seen = uvec2(shown.y + 1, shown.x);
-    gl_FragDepth = met.z / (1.0 + met.z);
+    gl_FragDepth = distance / (1.0 + distance);
 }

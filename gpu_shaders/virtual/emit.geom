@@ -4,19 +4,27 @@
 #include "virtual/results.glsl"
 
 layout(triangles) in;
-layout(triangle_strip, max_vertices = 4) out;
+layout(triangle_strip, max_vertices = 24) out;
 
 uniform isampler2D sources;  // triangle and instance that each is a piece of
 uniform int left_out;        // an instance that is not seen by this path
 uniform vec4 bounds;         // pixels that the path is seen in: low and high corner
 uniform int first_triangle;
 uniform float margin;        // pixels
+uniform vec4 bundle;         // the ball that the rays begin in: centre, radius
+uniform vec4 bundle_axis;    // where they go: axis, radians off it
 
-const float MOST_LEAN = 1e-2;  // tangent, at a reflection point that was found
+// Tangents at a reflection point that was found. Just beyond a caustic there is none, but there may be for what lies
+// beside the vertex.
+const float MOST_LEAN = 1e-2, MOST_LEAN_CONCAVE = 0.1;
+
+const float SURELY = 8.0;      // pixels
+const float LARGE = 0.35;      // radians
 
 in vec4 found[];
 in vec3 vertex[];
 in vec4 shown_there[];
+in vec4 found_again[];
 
 out vec2 corner;
 flat out ivec2 shown;
@@ -39,6 +47,7 @@ void rectangle(vec2 origin, vec2 along, vec2 low, vec2 high) {
     emit(b, source);
     emit(c, source);
     emit(d, source);
+    EndPrimitive();
 }
 
 // The rectangle around three places on the screen, with room for their edges to bend.
@@ -64,22 +73,64 @@ void hold(vec3 direction[3], vec4 place[3]) {
 }
 
 bool is_found(vec4 result) {
-    return result.w >= 0.0 && result.w <= MOST_LEAN;
+    return result.w >= 0.0 && result.w <= (concave ? MOST_LEAN_CONCAVE : MOST_LEAN);
+}
+
+// Whether the corners' reflection points are so near to each other that they surely belong to the same image.
+bool together(vec4 place[3]) {
+    vec2 a = place[0].xy, b = place[1].xy, c = place[2].xy;
+    return max(max(distance(a, b), distance(b, c)), distance(c, a)) <= SURELY;
+}
+
+// The image that a corner's result belongs to: the others' reflection points are looked for beside it.
+void image_of(int corner, vec3 result, out vec3 direction[3], out vec4 place[3]) {
+    for (int i = 0; i < 3; ++i) {
+        direction[i] = i == corner ? result : search(result, vertex[i]).xyz;
+        place[i] = shown_at(direction[i]);
+    }
+}
+
+// How large the triangle is for its distance from where the rays begin, about in radians. `passed`: whether a ray may
+// meet it.
+float extent(out bool passed) {
+    vec3 middle = (vertex[0] + vertex[1] + vertex[2]) / 3.0, way = middle - bundle.xyz;
+    float radius = max(max(distance(middle, vertex[0]), distance(middle, vertex[1])), distance(middle, vertex[2]));
+    float away = length(way), near = radius + bundle.w;
+    passed = away <= near
+          || acos(clamp(dot(way, bundle_axis.xyz) / away, -1.0, 1.0)) <= bundle_axis.w + asin(near / away);
+    return 2.0 * radius / max(max(away, bundle.w), 1e-9);
 }
 
 void main() {
-    int beside = is_found(found[0]) ? 0 : is_found(found[1]) ? 1 : is_found(found[2]) ? 2 : -1;
-    if (beside < 0) return;
-    vec3 direction[3];
-    vec4 place[3];
-    for (int i = 0; i < 3; ++i) {
-        direction[i] = found[i].xyz;
-        place[i] = shown_there[i];
-        // A corner that was not found, or behind the reflector, is looked for beside another.
-        if (!is_found(found[i]) && !(is_whole(0) && found[i].w < 1e30)) {
-            direction[i] = search(found[beside].xyz, vertex[i]).xyz;
-            place[i] = shown_at(direction[i]);
-        }
+    bool passed;
+    float size = extent(passed);
+    if (!passed) return;
+    vec4 result[6] = vec4[6](found[0], found[1], found[2], found_again[0], found_again[1], found_again[2]);
+    bool more = is_found(result[3]) || is_found(result[4]) || is_found(result[5]);
+    bool all_found = is_found(result[0]) && is_found(result[1]) && is_found(result[2]);
+    vec3 direction[3] = vec3[3](found[0].xyz, found[1].xyz, found[2].xyz);
+    vec4 place[3] = shown_there;
+    vec2 middles[6];
+    int images = 0;
+    if (is_whole(0) && ORDER == 1 || all_found && together(place)) {
+        if (!all_found && !is_found(result[0]) && !is_found(result[1]) && !is_found(result[2])) return;
+        hold(direction, place);
+        if (!more) return;
+        middles[images++] = (place[0].xy + place[1].xy + place[2].xy) / 3.0;
+    } else if (!all_found && size > LARGE) {
+        // Its corners lie far outside of what is seen, which it may fill.
+        rectangle(vec2(0.0), vec2(1.0, 0.0), bounds.xy - 0.5 * screen, bounds.zw - 0.5 * screen);
+        return;
     }
-    hold(direction, place);
+    // A mirror that is not convex may show a triangle more than once, each corner in another image.
+    for (int i = 0; i < 6; ++i) {
+        if (!is_found(result[i])) continue;
+        image_of(i % 3, result[i].xyz, direction, place);
+        vec2 middle = (place[0].xy + place[1].xy + place[2].xy) / 3.0;
+        bool known = false;
+        for (int j = 0; j < images; ++j) known = known || distance(middle, middles[j]) < 1.0;
+        if (known) continue;
+        middles[images++] = middle;
+        hold(direction, place);
+    }
 }

@@ -2,22 +2,29 @@
 
 #include "virtual/maps.glsl"
 
+const int SAMPLES = 16;           // as addon/methods/virtual_bundles.py has it
+
 uniform vec4 eye;                 // w 0: infinitely far away, in that direction
 uniform int steps;
-uniform float part_radii[ORDER];  // how far the reflector is from the part's centre, about
+uniform mat3 world_to_ball[ORDER];  // takes a whole part to what is about a ball of radius 1
+uniform mat3 ball_to_part[ORDER];
+uniform vec3 sample_origins[SAMPLES];     // of rays that take the path: where they leave it
+uniform vec3 sample_directions[SAMPLES];  // and which way they go
+uniform vec3 sample_starts[SAMPLES * ORDER];  // where they are reflected, as directions of the parts' frames
 
 const float LONGEST_STEP = 0.7;   // of the tangent that a face reaches to
 const float DONE = 1e-6;
 const float BACK = 1e30;          // the error of a point that faces away from the eye
-const int HALVINGS = 6;
+const int HALVINGS = 12;
 
-// The bisector of the ways from a point to where the path comes from and goes on: how it leans off the normal.
+// The bisector of the ways from a point to where the path comes from and goes on.
 struct Bisector {
     vec3 normal;
     vec4 to_from, to_next;       // unit length, and the inverse of the length: 0 for infinitely far away
     float side_from, side_next;  // of the surface that they are on
-    float up;                    // what the lean is measured against
-    vec3 lean;                   // along the surface, as a tangent
+    float lean;                  // off the normal, as a tangent
+    float nearness;              // the inverses of both lengths, added
+    vec3 off;                    // along the surface, over nearness: about how far the point is from its place
 };
 
 vec4 way_to(vec4 to, vec3 from) {
@@ -35,8 +42,8 @@ vec3 flattened(vec3 v, vec3 normal) {
     return v - dot(v, normal) * normal;
 }
 
-// A vertex behind the surface is mirrored to its front (Estalella et al., 6.1): that changes the bisector along the
-// normal only, so that the two ways' heights add up whichever side they are on.
+// A vertex behind the surface would be mirrored to its front (Estalella et al., 6.1): that changes the bisector along
+// the normal only, so that `off` is the same.
 Bisector bisector_at(Point p, vec4 from, vec4 next) {
     Bisector b;
     b.normal = p.normal * inversesqrt(max(dot(p.normal, p.normal), 1e-30));
@@ -45,33 +52,39 @@ Bisector bisector_at(Point p, vec4 from, vec4 next) {
     float height_from = dot(b.to_from.xyz, b.normal), height_next = dot(b.to_next.xyz, b.normal);
     b.side_from = height_from < 0.0 ? -1.0 : 1.0;
     b.side_next = height_next < 0.0 ? -1.0 : 1.0;
-    b.up = max(abs(height_from) + abs(height_next), 1e-9);
-    b.lean = flattened(b.to_from.xyz + b.to_next.xyz, b.normal) / b.up;
+    b.nearness = max(b.to_from.w + b.to_next.w, 1e-30);
+    vec3 off = flattened(b.to_from.xyz + b.to_next.xyz, b.normal);
+    // Where both ways graze the surface their sum is a difference of cosines, which has no digits left: heights have.
+    vec3 across = flattened(b.to_from.xyz - b.to_next.xyz, b.normal);
+    float square = dot(across, across);
+    float exact = (height_next - height_from) * (height_next + height_from);
+    if (square > 0.01) off += across * ((exact - dot(off, across)) / square);
+    b.lean = length(off) / max(abs(height_from) + abs(height_next), 1e-9);
+    b.off = off / b.nearness;
     return b;
 }
 
-// How the lean changes when the ways turn and the normal does.
-vec3 lean_change(Bisector b, vec3 from_turn, vec3 next_turn, vec3 normal_turn) {
+// How `off` changes when the ways and the normal turn, and the ways' inverse lengths grow.
+vec3 change(Bisector b, vec3 turn, float nearer, vec3 normal_turn) {
     vec3 sum = b.to_from.xyz + b.to_next.xyz;
-    vec3 along = flattened(from_turn + next_turn, b.normal) - dot(sum, b.normal) * normal_turn;
-    float up = b.side_from * (dot(from_turn, b.normal) + dot(b.to_from.xyz, normal_turn))
-             + b.side_next * (dot(next_turn, b.normal) + dot(b.to_next.xyz, normal_turn));
-    return (along - b.lean * up) / b.up;
+    return (flattened(turn, b.normal) - dot(sum, b.normal) * normal_turn - b.off * nearer) / b.nearness;
+}
+
+// How the inverse of a way's length grows when its beginning moves.
+float nearing(vec4 way, vec3 along) {
+    return way.w * way.w * dot(along, way.xyz);
 }
 
 // When the point itself moves along its surface.
-vec3 lean_here(Point p, Bisector b, vec3 along, vec3 normal_along) {
+vec3 change_here(Point p, Bisector b, vec3 along, vec3 normal_along) {
     vec3 normal_turn = flattened(normal_along, b.normal) * inversesqrt(max(dot(p.normal, p.normal), 1e-30));
-    return lean_change(b, turned(b.to_from, along), turned(b.to_next, along), normal_turn);
+    vec3 turn = turned(b.to_from, along) + turned(b.to_next, along);
+    return change(b, turn, nearing(b.to_from, along) + nearing(b.to_next, along), normal_turn);
 }
 
-// When what the path goes on to moves, or what it comes from.
-vec3 lean_next(Bisector b, vec3 along) {
-    return lean_change(b, vec3(0.0), -turned(b.to_next, along), vec3(0.0));
-}
-
-vec3 lean_from(Bisector b, vec3 along) {
-    return lean_change(b, -turned(b.to_from, along), vec3(0.0), vec3(0.0));
+// When one of the ways' ends moves.
+vec3 change_there(Bisector b, vec4 way, vec3 along) {
+    return change(b, -turned(way, along), -nearing(way, along), vec3(0.0));
 }
 
 // Two vectors along the surface as the surface's own directions see them.
@@ -108,18 +121,17 @@ float sphere_lean(float angle, vec4 to_eye, vec2 to_vertex) {
     return dot(normalize(to_eye.xy - to_eye.w * normal) + normalize(to_vertex - normal), along);
 }
 
-// Where a search begins that knows nothing: in the middle of a patch, and where a sphere would reflect the vertex
-// (Alhazen), between the point nearest to the eye and the horizon.
+// Where the search on a whole body begins: where a ball would reflect the vertex (Alhazen), between the point nearest
+// to the eye and the horizon. Straight lines and what touches stay so where an ellipsoid becomes that ball.
 vec3 first_guess(int part, vec4 from, vec3 vertex) {
-    if (!is_whole(part)) return vec3(0.0, 0.0, 1.0);
     vec3 centre = part_to_world[part][3].xyz;
-    vec3 out_there = (vertex - centre) / part_radii[part];
-    vec4 to_eye = way_to(from, centre);
+    vec3 out_there = world_to_ball[part] * (vertex - centre);
+    vec4 to_eye = way_to(vec4(world_to_ball[part] * (from.xyz - from.w * centre), from.w), vec3(0.0));
     float away = dot(out_there, to_eye.xyz);
     vec3 aside = out_there - away * to_eye.xyz;
     float off = length(aside);
     aside = off > 0.0 ? aside / off : vec3(0.0);
-    float inverse = min(to_eye.w * part_radii[part], 1.0);
+    float inverse = min(to_eye.w, 1.0);
     vec4 eye_there = to_eye.w > 0.0 ? vec4(1.0 / inverse, 0.0, 0.0, 1.0) : vec4(1.0, 0.0, 0.0, 0.0);
     float low = 0.0, high = min(atan(off, away), acos(inverse));
     for (int i = 0; i < HALVINGS; ++i) {
@@ -128,7 +140,26 @@ vec3 first_guess(int part, vec4 from, vec3 vertex) {
         else high = middle;
     }
     float angle = 0.5 * (low + high);
-    return normalize((cos(angle) * to_eye.xyz + sin(angle) * aside) * mat3(part_to_world[part]));
+    return normalize(ball_to_part[part] * (cos(angle) * to_eye.xyz + sin(angle) * aside));
+}
+
+// The ray among the samples that comes nearest to a vertex, by angle, of those that begin away from a direction of
+// the first part's frame, by at least so much of a face.
+int nearest_sample(vec3 vertex, vec3 away_from, float least) {
+    int nearest = 0;
+    float most = -2.0;
+    for (int i = 0; i < SAMPLES; ++i) {
+        float cosine = dot(normalize(vertex - sample_origins[i]), sample_directions[i]);
+        if (cosine > most && distance(sample_starts[i], away_from) >= least) {
+            most = cosine;
+            nearest = i;
+        }
+    }
+    return nearest;
+}
+
+int nearest_sample(vec3 vertex) {
+    return nearest_sample(vertex, vec3(0.0), 0.0);
 }
 
 #if ORDER == 1
@@ -137,56 +168,55 @@ vec3 first_guess(int part, vec4 from, vec3 vertex) {
 vec4 search(vec3 start, vec3 vertex) {
     Place best = place_of(0, start);
     vec2 step = vec2(0.0);
-    float least = 2.0 * BACK, side = 1.0;
+    float least = 2.0 * BACK, lean = BACK;
     for (int i = 0; i <= steps; ++i) {
         Place now = moved(0, best, step);
         Point p = point_at(0, now);
         Bisector b = bisector_at(p, eye, vec4(vertex, 1.0));
-        float off = is_whole(0) && b.side_from < 0.0 ? BACK : length(b.lean);
+        float off = is_whole(0) && b.side_from < 0.0 ? BACK : length(b.off);
         if (off < least) {
             least = off;
             best = now;
-            side = b.side_from * b.side_next;
-            mat2 change = seen_along(p, lean_here(p, b, p.along_u, p.normal_u), lean_here(p, b, p.along_v, p.normal_v));
-            step = shortened(-inverse_of(change) * seen_along(p, b.lean), LONGEST_STEP * part_reaches[0]);
+            lean = b.side_from * b.side_next * b.lean;
+            mat2 pp = seen_along(p, change_here(p, b, p.along_u, p.normal_u), change_here(p, b, p.along_v, p.normal_v));
+            step = shortened(-inverse_of(pp) * seen_along(p, b.off), LONGEST_STEP * part_reaches[0]);
         } else {
             step *= 0.5;
         }
         if (dot(step, step) < DONE * DONE) break;
     }
-    return vec4(direction_of(best), side * least);
+    return vec4(direction_of(best), lean);
 }
 
 vec4 search(vec3 vertex) {
-    return search(first_guess(0, eye, vertex), vertex);
+    return search(is_whole(0) ? first_guess(0, eye, vertex) : sample_starts[nearest_sample(vertex)], vertex);
 }
 #else
 // The same for two reflections: both points move in one step. The direction is that of the first.
 vec4 search(vec3 start, vec3 vertex) {
-    Place best_1 = place_of(0, start);
-    Place best_2 = place_of(1, first_guess(1, vec4(point_at(0, best_1).position, 1.0), vertex));
+    Place best_1 = place_of(0, start), best_2 = place_of(1, sample_starts[SAMPLES + nearest_sample(vertex)]);
     vec2 step_1 = vec2(0.0), step_2 = vec2(0.0);
-    float least = 2.0 * BACK, side = 1.0;
+    float least = 2.0 * BACK, lean = BACK;
     for (int i = 0; i <= steps; ++i) {
         Place now_1 = moved(0, best_1, step_1), now_2 = moved(1, best_2, step_2);
         Point p = point_at(0, now_1), q = point_at(1, now_2);
         Bisector a = bisector_at(p, eye, vec4(q.position, 1.0));
         Bisector b = bisector_at(q, vec4(p.position, 1.0), vec4(vertex, 1.0));
         bool back = (is_whole(0) && a.side_from < 0.0) || (is_whole(1) && b.side_from < 0.0);
-        float off = back ? BACK : length(vec2(length(a.lean), length(b.lean)));
+        float off = back ? BACK : length(vec2(length(a.off), length(b.off)));
         if (off < least) {
             least = off;
             best_1 = now_1;
             best_2 = now_2;
-            side = min(a.side_from * a.side_next, b.side_from * b.side_next);
-            mat2 aa = seen_along(p, lean_here(p, a, p.along_u, p.normal_u), lean_here(p, a, p.along_v, p.normal_v));
-            mat2 ab = seen_along(p, lean_next(a, q.along_u), lean_next(a, q.along_v));
-            mat2 ba = seen_along(q, lean_from(b, p.along_u), lean_from(b, p.along_v));
-            mat2 bb = seen_along(q, lean_here(q, b, q.along_u, q.normal_u), lean_here(q, b, q.along_v, q.normal_v));
-            vec2 lean_1 = seen_along(p, a.lean), lean_2 = seen_along(q, b.lean);
-            mat2 without = inverse_of(aa);
-            step_2 = -inverse_of(bb - ba * without * ab) * (lean_2 - ba * without * lean_1);
-            step_1 = -without * (lean_1 + ab * step_2);
+            lean = min(a.side_from * a.side_next, b.side_from * b.side_next) * max(a.lean, b.lean);
+            mat2 pp = seen_along(p, change_here(p, a, p.along_u, p.normal_u), change_here(p, a, p.along_v, p.normal_v));
+            mat2 pq = seen_along(p, change_there(a, a.to_next, q.along_u), change_there(a, a.to_next, q.along_v));
+            mat2 qp = seen_along(q, change_there(b, b.to_from, p.along_u), change_there(b, b.to_from, p.along_v));
+            mat2 qq = seen_along(q, change_here(q, b, q.along_u, q.normal_u), change_here(q, b, q.along_v, q.normal_v));
+            vec2 off_1 = seen_along(p, a.off), off_2 = seen_along(q, b.off);
+            mat2 without = inverse_of(pp);
+            step_2 = -inverse_of(qq - qp * without * pq) * (off_2 - qp * without * off_1);
+            step_1 = -without * (off_1 + pq * step_2);
             step_1 = shortened(step_1, LONGEST_STEP * part_reaches[0]);
             step_2 = shortened(step_2, LONGEST_STEP * part_reaches[1]);
         } else {
@@ -195,11 +225,10 @@ vec4 search(vec3 start, vec3 vertex) {
         }
         if (dot(step_1, step_1) + dot(step_2, step_2) < DONE * DONE) break;
     }
-    return vec4(direction_of(best_1), side * least);
+    return vec4(direction_of(best_1), lean);
 }
 
 vec4 search(vec3 vertex) {
-    vec3 next = is_whole(1) ? part_to_world[1][3].xyz : point_at(1, Place(4, vec2(0.0))).position;
-    return search(first_guess(0, eye, next), vertex);
+    return search(sample_starts[nearest_sample(vertex)], vertex);
 }
 #endif
