@@ -43,9 +43,12 @@ def _paste(name: str, files: list[str], lines: list[str]) -> None:
             lines.append(line)
 
 
-def program(vertex: str | None, fragment: str, defines: Mapping[str, int] | None = None) -> moderngl.Program:
-    """The program of two files below gpu_shaders/, compiled once; no vertex file means a full-screen triangle."""
-    stages = ("vertex_shader", vertex or _SCREEN), ("fragment_shader", fragment)
+def program(
+    vertex: str | None, fragment: str, defines: Mapping[str, int] | None = None, geometry: str | None = None
+) -> moderngl.Program:
+    """The program of two or three files below gpu_shaders/, compiled once; no vertex file: a full-screen triangle."""
+    between = (("geometry_shader", geometry),) if geometry else ()
+    stages = ("vertex_shader", vertex or _SCREEN), *between, ("fragment_shader", fragment)
     return _compile(stages, (), tuple(sorted((defines or {}).items())))
 
 

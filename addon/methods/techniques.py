@@ -8,6 +8,7 @@ from .layered_depth import LayeredDepth
 from .layered_depth_published import LayeredDepthPublished
 from .planar import Planar
 from .virtual_objects import VirtualObjects
+from .virtual_objects_published import VirtualObjectsPublished
 
 TECHNIQUES: dict[str, type[DeferredMethod]] = {
     technique.name: technique
@@ -20,6 +21,7 @@ TECHNIQUES: dict[str, type[DeferredMethod]] = {
         Planar,
         GlossyPlanes,
         GlossyPlanar,
+        VirtualObjectsPublished,
         VirtualObjects,
     )
 }

@@ -6,6 +6,7 @@ from .cutting import cut_near
 from .flat_parts import FlatParts, flat_parts
 from .hierarchy import OCTANTS
 from .hierarchy import build as build_hierarchy
+from .interpolation_grid import InterpolationGrid, interpolation_grid
 from .layers import Layers
 from .layers import build as build_layers
 from .star_parts import StarPart, star_parts
@@ -14,12 +15,14 @@ __all__ = [
     "OCTANTS",
     "Curvature",
     "FlatParts",
+    "InterpolationGrid",
     "Layers",
     "StarPart",
     "build_hierarchy",
     "build_layers",
     "cut_near",
     "flat_parts",
+    "interpolation_grid",
     "is_convex",
     "star_parts",
 ]

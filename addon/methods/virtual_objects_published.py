@@ -1,0 +1,116 @@
+"""Curved mirrors by virtual objects, as they were published."""
+
+from weakref import WeakKeyDictionary
+
+import moderngl
+
+from ..baking.environment import EnvironmentCubes
+from ..baking.reflector_maps import FINER, SIZE, SPREAD, reflector_maps
+from ..baking.reflector_maps_tables import ResidentMaps
+from ..cache import Cache
+from ..drawing import Visibility
+from ..parameters import Parameter
+from ..progress import Progress, part_of
+from .contract import View
+from .deferred import DeferredMethod
+from .environment_map import CUBE_SIZE
+from .virtual_meshes import VirtualMeshes
+from .virtual_pictures import MET_UNIT, VirtualPicture
+
+STEPS = Parameter(
+    "steps",
+    "Search steps",
+    7,
+    "Midpoint steps that the search of a reflection point takes at most; the paper shows 3, 5, 7 and 9",
+    minimum=1,
+    maximum=64,
+    section="Estalella et al., 4.3",
+)
+THRESHOLD = Parameter(
+    "threshold",
+    "Threshold",
+    1e-8,
+    "The error at which a search ends: a quarter of the squared angle between bisector and normal, in radians",
+    minimum=0.0,
+    maximum=0.1,
+    section="Estalella et al., 4.2",
+)
+GRID = Parameter(
+    "grid",
+    "Grid vertices",
+    10.0,
+    "Vertices of the grid that are searched, of those of the mesh, which lie between them; 0 searches every vertex",
+    unit="%",
+    minimum=0.0,
+    maximum=100.0,
+    section="Estalella et al., 5",
+)
+
+
+class VirtualObjectsPublished(DeferredMethod):
+    """Curved mirrors as published: the reflected meshes are drawn with each vertex where the mirror shows it.
+
+    Cube maps of a reflector hold its positions and normals. A vertex' reflection point is searched in them: the
+    bisector of the ways to eye and vertex, projected onto the map, leads there, in midpoint steps of changing length.
+    Mirrored about the tangent plane there, the vertex is one of the virtual mesh, which is rasterised, kept to its
+    reflector and blended over an environment map of the rest. With a grid, only its vertices are searched, and the
+    mesh's are interpolated in its cells.
+
+    Source: Estalella, Martin, Drettakis, Tost, Devillers and Cazals, *Accurate interactive specular reflections on
+    curved objects*, 2005.
+
+    The paper leaves open, and we chose: a search begins where the bisector of the directions from the map's centre to
+    eye and vertex meets the map, or in the middle of a patch; its first step has the length 1, and backwards on
+    concave parts, whose normals turn the other way; a step that changes the vector by more than its own length is
+    taken again, and the next is as long as would change it by half. Reflectors fall into parts by themselves,
+    and parts out of sight, or objects that no ray of a part can meet, are not searched.
+
+    Outputs: as every method.
+
+    Limitations: edges are straight between vertices, so that coarse meshes, a floor of two triangles say, are bent
+    wrongly, and tear where the mirror hides a part of them; nothing of a reflector in itself; other reflectors show
+    in the environment map alone, and hide nothing; saddles, and concave parts of what is near their focus, have no
+    one reflection point for the search to find; too few steps, or too wide a grid, move images; dear for reflectors
+    of many parts.
+    """
+
+    name = "virtual-objects-published"
+    source = "Estalella et al. 2005: vertices searched in midpoint steps through maps of the reflector"
+    parameters = (STEPS, THRESHOLD, GRID, SIZE, FINER, SPREAD, CUBE_SIZE)
+    shader = "virtual_published/virtual_objects_published.frag"
+
+    def bake(self, progress: Progress) -> None:
+        """Bake the maps of the reflectors, lay grids around what they show, and capture the rest."""
+        self._maps = ResidentMaps(self.scene, self._bake_maps(progress))
+        instances = enumerate(self.scene.instances)
+        shown = [index for index, one in instances if one.in_reflections and not one.reflector]
+        self._meshes = VirtualMeshes(self.scene, shown, self.settings["grid"] / 100.0)
+        self._cubes = EnvironmentCubes(self.resident, self.settings["size"], frozenset(shown), self.reflectors)
+        self._pictures: WeakKeyDictionary[Visibility, VirtualPicture] = WeakKeyDictionary()
+
+    def _bake_maps(self, progress: Progress) -> dict:
+        meshes = {index: self.scene.instances[index].mesh for index in self.reflectors}
+        cache, baked = Cache(), {}
+        for done, mesh in enumerate(dict.fromkeys(meshes.values())):
+            share = part_of(progress, done / len(meshes), (done + 1) / len(meshes))
+            baked[mesh] = reflector_maps(self.scene.meshes[mesh], self.settings, cache, share)
+        return {index: baked[mesh] for index, mesh in meshes.items()}
+
+    def reflect(self, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
+        """Search and draw the virtual meshes, anew for each sample as for each frame, and show them."""
+        if seen not in self._pictures:
+            self._pictures[seen] = VirtualPicture(self.resident, self._maps, self._meshes, seen)
+        picture = self._pictures[seen]
+        picture.draw(view, seen, sample["offset"], self.settings["steps"], self.settings["threshold"])
+        picture.met.use(MET_UNIT)
+        super().reflect(view, seen, target, **sample)
+
+    def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
+        """Bind what was drawn, and the environment maps."""
+        self._cubes.bind(shader)
+        shader["virtual_objects"] = MET_UNIT
+
+    def free(self) -> None:
+        """Give everything back."""
+        for part in (*self._pictures.values(), self._meshes, self._maps, self._cubes):
+            part.release()
