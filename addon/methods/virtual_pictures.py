@@ -74,7 +74,7 @@ class VirtualPicture:
         self._ray_target.clear()
         self._maps.bind(self._rays.shader, _MAPS_UNIT)
         self._rays.draw(view.camera, seen, self._ray_target, offset=offset, blend=False)
-        bundles = bundles_of(*(self._read(part) for part in self._ray_textures), 1)
+        bundles = bundles_of(*(self._read(part) for part in self._ray_textures))
         self._target.clear()
         for runs in self._batches(bundles):
             self._find(view, runs, steps, threshold)
