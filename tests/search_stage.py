@@ -2,6 +2,7 @@
 
 from collections.abc import Sequence
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import moderngl
 import numpy as np
@@ -16,6 +17,7 @@ from .stage import mesh_of
 
 _ROW = 4096
 _EVERYTHING = 1e30
+_MAPS_UNIT = 11
 
 
 def sphere(subdivisions: int = 5) -> Mesh:
@@ -32,6 +34,15 @@ def maps_of(mesh: Mesh, size: int = 512, finer: int = 1, spread: float = 20.0) -
     return reflector_maps(mesh, {"map_size": size, "finer": finer, "spread": spread})
 
 
+class Samples(NamedTuple):
+    """16 rays that took a path: `origins` and `directions` (16, 3) as they left it, in the world, and for each part of
+    the path the `starts` (16, 3): where they were reflected, as directions of its frame."""
+
+    origins: np.ndarray
+    directions: np.ndarray
+    starts: Sequence[np.ndarray]
+
+
 @dataclass
 class Found:
     """`directions` (N, 3) of the first reflection points from the part's centre, in its frame; `lean` (N,), below 0
@@ -42,54 +53,65 @@ class Found:
     pixels: np.ndarray
 
 
-@on_gl_thread
-def found(
-    scene: Scene,
-    maps: dict[int, Sequence[ReflectorMap]],
-    path: Sequence[int],
-    eye: Sequence[float],
-    vertices: np.ndarray,
-    steps: int,
-    camera: Camera | None = None,
-    size: tuple[int, int] = (512, 512),
-) -> Found:
-    """Where the GPU finds that `vertices` (N, 3) are reflected on a `path` of parts, numbered from 1 on.
+class Search:
+    """The search on a `path` of parts, numbered from 1 on."""
 
-    `eye` is a point and 1, or a direction and 0.
-    """
-    context = require()
-    shader = program("virtual/search.vert", "virtual/search.frag", {"ORDER": len(path)})
-    rows = -(-len(vertices) // _ROW)
-    resident = ResidentMaps(scene, maps)
-    buffer = context.buffer(np.ascontiguousarray(vertices, np.float32))
-    array = context.vertex_array(shader, [(buffer, "3f", "position")])
-    results = [context.texture((_ROW, rows), 4, dtype="f4") for _ in range(2)]
-    target = context.framebuffer(results)
-    values = {
-        "eye": eye,
-        "steps": steps,
-        "results_height": rows,
-        "result_shift": 0,
-        "bundle": (0.0, 0.0, 0.0, _EVERYTHING),
-        "bundle_axis": (0.0, 0.0, 1.0, np.pi),
-        "screen": size,
-        "world_to_clip": tuple(world_to_clip(camera or scene.camera, *size).T.ravel()),
-    }
-    try:
-        resident.bind(shader, 11)
-        resident.choose(shader, path)
-        for name, value in values.items():
-            if name in shader:
-                shader[name] = value
-        target.use()
-        target.clear()
-        context.enable_only(moderngl.NOTHING)
-        array.render(moderngl.POINTS)
-        found_, shown = (np.frombuffer(part.read(), np.float32).reshape(-1, 4)[: len(vertices)] for part in results)
-        return Found(found_[:, :3].astype(float), found_[:, 3], shown[:, :2].astype(float))
-    finally:
-        for part in (target, *results, array, buffer, resident):
-            part.release()
+    @on_gl_thread
+    def __init__(self, scene: Scene, maps: dict[int, Sequence[ReflectorMap]], path: Sequence[int]) -> None:
+        """Compile, and upload the maps of each instance that mirrors."""
+        self._scene, self._path = scene, path
+        self._shader = program("virtual/search.vert", "virtual/search.frag", {"ORDER": len(path)})
+        self._maps = ResidentMaps(scene, maps)
+
+    @on_gl_thread
+    def find(
+        self,
+        eye: Sequence[float],
+        vertices: np.ndarray,
+        steps: int,
+        camera: Camera | None = None,
+        samples: Samples | None = None,
+        size: tuple[int, int] = (512, 512),
+    ) -> Found:
+        """Where the GPU finds that `vertices` (N, 3) are reflected.
+
+        `eye` is a point and 1, or a direction and 0. Searches that are not on one whole body begin from `samples`.
+        """
+        context, shader, rows = require(), self._shader, -(-len(vertices) // _ROW)
+        buffer = context.buffer(np.ascontiguousarray(vertices, np.float32))
+        array = context.vertex_array(shader, [(buffer, "3f", "position")])
+        results = [context.texture((_ROW, rows), 4, dtype="f4") for _ in range(3)]
+        target = context.framebuffer(results)
+        values = {
+            "eye": eye,
+            "steps": steps,
+            "results_height": rows,
+            "result_shift": 0,
+            "bundle": (0.0, 0.0, 0.0, _EVERYTHING),
+            "bundle_axis": (0.0, 0.0, 1.0, np.pi),
+            "concave": False,
+            "screen": size,
+            "world_to_clip": tuple(world_to_clip(camera or self._scene.camera, *size).T.ravel()),
+        }
+        try:
+            self._maps.bind(shader, _MAPS_UNIT)
+            self._maps.choose(shader, self._path)
+            for name, value in values.items():
+                if name in shader:
+                    shader[name] = value
+            if samples:
+                shader["sample_origins"].write(np.float32(samples.origins).tobytes())
+                shader["sample_directions"].write(np.float32(samples.directions).tobytes())
+                shader["sample_starts"].write(np.concatenate(samples.starts).astype(np.float32).tobytes())
+            target.use()
+            target.clear()
+            context.enable_only(moderngl.NOTHING)
+            array.render(moderngl.POINTS)
+            found, shown, _ = (np.frombuffer(one.read(), np.float32).reshape(-1, 4)[: len(vertices)] for one in results)
+            return Found(found[:, :3].astype(float), found[:, 3], shown[:, :2].astype(float))
+        finally:
+            for part in (target, *results, array, buffer):
+                part.release()
 
 
 def alhazen(eye: np.ndarray, vertices: np.ndarray) -> np.ndarray:
