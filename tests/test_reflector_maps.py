@@ -11,7 +11,7 @@ from catoptric.addon.baking.reflector_maps import BORDER, KIND, reflector_maps
 from catoptric.addon.baking.reflector_maps_tables import ResidentMaps
 from catoptric.addon.cache import Cache
 from catoptric.addon.gl import call
-from catoptric.addon.tracing import cut_near
+from catoptric.addon.tracing import Near, cut_near
 from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
@@ -337,7 +337,7 @@ def test_pieces_tile_their_triangles_and_are_short_enough(seed, share, count, ne
     low = rng.normal(size=(near, 3)) * 3
     boxes = np.stack([low, low + rng.uniform(0, 2, size=(near, 3))], axis=1)
     least = rng.uniform(0.2, 1.0, size=near)
-    pieces, source = cut_near(corners, boxes, share, least)
+    pieces, source = cut_near(corners, [Near(boxes[i:], least[i:]) for i in (0, near // 2) if near > i], share)
     areas = np.linalg.norm(np.cross(pieces[:, 1] - pieces[:, 0], pieces[:, 2] - pieces[:, 0]), axis=1)
     whole = np.cross(corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0])
     assert np.allclose(np.bincount(source, areas, count), np.linalg.norm(whole, axis=1))
@@ -361,16 +361,16 @@ def test_pieces_tile_their_triangles_and_are_short_enough(seed, share, count, ne
 def test_no_more_pieces_than_allowed(most, seed):
     corners = np.random.default_rng(seed).normal(size=(3, 3, 3)) * 10
     box = np.array([[[-1.0, -1, -1], [1, 1, 1]]])
-    pieces, source = cut_near(corners, box, 0.05, np.array([0.01]), most)
+    pieces, source = cut_near(corners, [Near(box, np.array([0.01]))], 0.05, most)
     assert len(pieces) == len(source) <= most
     assert set(source) == {0, 1, 2}
 
 
 def test_nothing_is_cut_where_nothing_reflects():
     corners = np.random.default_rng(1).normal(size=(4, 3, 3)) * 100
-    pieces, source = cut_near(corners, np.zeros((0, 2, 3)), 0.1, np.zeros(0))
+    pieces, source = cut_near(corners, [], 0.1)
     assert np.array_equal(pieces, corners)
     assert source.tolist() == [0, 1, 2, 3]
-    pieces, source = cut_near(corners[:0], np.zeros((0, 2, 3)), 0.1, np.zeros(0))
+    pieces, source = cut_near(corners[:0], [], 0.1)
     assert pieces.shape == (0, 3, 3)
     assert source.shape == (0,)

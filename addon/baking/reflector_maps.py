@@ -22,7 +22,7 @@ SIZE = Parameter(
     "map_size",
     "Map size",
     256,
-    "Texels along a face of a reflector's cube maps; a patch of a reflector has a quarter of them",
+    "Texels along a face of a reflector's cube maps; a patch of a reflector has a quarter of them, or fewer",
     unit="texels",
     minimum=16,
     maximum=2048,
@@ -56,6 +56,8 @@ BORDER = 1
 
 _LEAST_LIKE_A_BALL = 1e-4
 """Of an ellipsoid: the inverse square of its longest half axis, in mean radii."""
+
+_LEAST_PATCH = 8
 
 _PATCH_FACE = 4
 """A patch lies before its frame's third axis: on the face +Z."""
@@ -140,10 +142,18 @@ def reflector_maps(
     maps = []
     for number, part in enumerate(parts):
         progress("baking reflector maps", number / len(parts))
-        maps.append(bake_part(mesh, part, size if np.isinf(part.reach) else max(size // 4, int(SIZE.minimum)), levels))
+        maps.append(bake_part(mesh, part, _size(part, size), levels))
     if cache:
         cache.put(KIND, key, _packed(maps))
     return maps
+
+
+def _size(part: StarPart, size: int) -> int:
+    """Texels along the faces of a part: a patch of few triangles needs no more than about two for each."""
+    if np.isinf(part.reach):
+        return size
+    enough = 2 * BORDER + int(np.ceil(2.0 * np.sqrt(len(part.triangles) + len(part.margin))))
+    return max(_LEAST_PATCH, min(size // 4, enough))
 
 
 @on_gl_thread

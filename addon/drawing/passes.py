@@ -1,5 +1,7 @@
 """Full-screen passes over what the visibility pass found."""
 
+from collections.abc import Mapping
+
 import moderngl
 
 from ..gl import program, require, screen
@@ -15,11 +17,11 @@ class ScreenPass:
     spares it these pixels.
     """
 
-    def __init__(self, fragment: str, resident: Resident, part: Part) -> None:
+    def __init__(self, fragment: str, resident: Resident, part: Part, defines: Mapping[str, int] | None = None) -> None:
         """Compile `fragment`, a file below gpu_shaders/, for the light of `resident`; a second time costs nothing."""
         self._resident = resident
         self._depth, self._passes = part.value
-        self.shader = program(None, fragment, resident.defines)
+        self.shader = program(None, fragment, {**resident.defines, **(defines or {})})
         self._screen = screen(self.shader)
 
     def draw(

@@ -60,6 +60,11 @@ class DeferredMethod(EnsembleMethod):
 
     shader: ClassVar[str]
 
+    @property
+    def defines(self) -> dict[str, int]:
+        """What the shader is compiled with besides what the scene's materials ask for."""
+        return {}
+
     def bake(self, progress: Progress) -> None:
         """Bake what the reflections need; on the GL thread."""
 
@@ -84,7 +89,7 @@ class DeferredMethod(EnsembleMethod):
     def join(self, ensemble: "Ensemble", reflectors: tuple[int, ...], progress: Progress) -> None:
         """Get ready to draw these reflectors of the ensemble's scene, until `free`; on the GL thread."""
         self.ensemble, self.resident, self.reflectors = ensemble, ensemble.resident, reflectors
-        self._pass = ScreenPass(self.shader, self.resident, Part.REFLECTORS)
+        self._pass = ScreenPass(self.shader, self.resident, Part.REFLECTORS, self.defines)
         self.bake(progress)
 
     def reflect(self, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:

@@ -24,17 +24,17 @@ _STRIDES = 16, 8, 4, 2, 1, 1
 class Bounce:
     """The rays that are mirrored for the `order`-th time in a picture. Lives on the GL thread.
 
-    What they meet is a picture of (instance + 1, triangle), 0 for the world.
+    What they meet is a picture of (instance + 1, triangle), or of gpu_shaders/virtual/seen.glsl.
     """
 
-    def __init__(self, resident: Resident, maps: ResidentMaps, scene: VirtualScene, order: int, steps: int) -> None:
+    def __init__(self, resident: Resident, maps: ResidentMaps, scene: VirtualScene, order: int, settings: dict) -> None:
         """Compile; `fit` makes the targets."""
         self._maps, self._order = maps, order
         name = "virtual/rays.frag" if order == 1 else "virtual/rays_again.frag"
         self._rays = ScreenPass(name, resident, Part.REFLECTORS)
         self._resident, self._spread = resident, program(None, "virtual/spread.frag")
         self._spread_screen = screen(self._spread)
-        self._images = Images(resident, maps, scene, order, steps)
+        self._images = Images(resident, maps, scene, order, settings)
 
     def fit(self, seen: Visibility) -> None:
         """Make targets of the size of what is seen, and only for the reflectors there."""

@@ -13,7 +13,7 @@ SAMPLES = 16
 
 @dataclass(frozen=True, eq=False)
 class Bundle:
-    """The mirrored rays of a picture that took the same path.
+    """The mirrored rays of a picture that took the same path, `count` of them.
 
     `path`: the numbers of the parts that it is reflected at, from the eye on. The rays begin in a ball (`centre` (3,),
     `radius`) and go along `axis` (3,) or up to `spread`, in radians, off it. `bounds`: the pixels that they are seen
@@ -27,6 +27,7 @@ class Bundle:
     axis: np.ndarray
     spread: float
     bounds: tuple[int, int, int, int]
+    count: int
     samples: np.ndarray
     met: tuple[np.ndarray, ...]
 
@@ -71,6 +72,7 @@ def bundles_of(origins: np.ndarray, directions: np.ndarray, before: np.ndarray |
             axes[row],
             float(np.arccos(np.clip(cosines[row], -1.0, 1.0))) + SLACK,
             tuple(int(edge[row]) for edge in edges),
+            int(counts[row]),
             np.stack([starts[chosen[row], :3], ways[chosen[row], :3]], axis=1),
             tuple(part[rows[chosen[row]], columns[chosen[row]], :3] for part in (before, origins)[2 - order :]),
         )

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..baking.reflector_maps_tables import UNITS, ResidentMaps
 from ..drawing import FREE_UNIT, Resident, world_to_clip
-from ..gl import capture, feedback, program, require
+from ..gl import capture, feedback, program, require, screen
 from .contract import View
 from .virtual_bundles import Bundle
 from .virtual_scene import VirtualScene, runs_of
@@ -22,6 +22,10 @@ _FIRST_CAPACITY = 1 << 18
 _MAPS_UNIT = FREE_UNIT + 1
 _RESULTS_UNIT = _MAPS_UNIT + UNITS
 _SOURCES_UNIT = _RESULTS_UNIT + 3
+
+
+_BEHIND_ALL = 0.99999
+"""Before the far end, -1 to 1."""
 
 
 class _Search(NamedTuple):
@@ -40,16 +44,19 @@ class Images:
     own ray, among the triangles whose rectangles cover it.
     """
 
-    def __init__(self, resident: Resident, maps: ResidentMaps, scene: VirtualScene, order: int, steps: int) -> None:
-        """Compile for paths that are reflected `order` times; a search takes at most so many steps."""
-        self._resident, self._maps, self._scene, self._steps = resident, maps, scene, steps
+    def __init__(self, resident: Resident, maps: ResidentMaps, scene: VirtualScene, order: int, settings: dict) -> None:
+        """Compile for paths that are reflected `order` times; `settings` as of the method."""
+        self._resident, self._maps, self._scene = resident, maps, scene
+        self._steps, self._worth = settings["steps"], settings["worth"]
         defines = {"ORDER": order}
         self._search = program("virtual/search.vert", "virtual/search.frag", defines)
         self._emit = feedback(_EMIT, ("corner", "shown"), defines)
         self._draw = program("virtual/draw.vert", "virtual/draw.frag")
+        self._world = program(None, "virtual/world.frag")
         self._points, self._triangles = scene.by_point(self._search), scene.by_triangle(self._emit)
         self._counters: list[moderngl.Query] = []
         self._drawn: list[tuple[Bundle, int, int]] = []
+        self._searched: list[Bundle] = []
         self._target = self._corners = self._rectangles = None
         self._results: list[moderngl.Texture] = []
         self._reserve(_FIRST_CAPACITY)
@@ -68,16 +75,22 @@ class Images:
         searches = self._plan(bundles)
         self._set_up(view, size)
         self._search_points(searches)
-        while (made := self._emit_rectangles(bundles, searches)) > self._capacity:
+        while (made := self._emit_rectangles(self._searched, searches)) > self._capacity:
             self._reserve(2 * made)
 
     def _plan(self, bundles: Sequence[Bundle]) -> list[_Search]:
-        """What to search, all culled that no ray of a path can meet."""
+        """What to search, all culled that no ray of a path can meet, and paths that are not worth it."""
         searches, result = [], 0
+        self._searched = []
         for bundle in bundles:
-            for first, end in runs_of(bundle.reaches(self._scene.centres, self._scene.radii)):
+            runs = runs_of(bundle.reaches(self._scene.centres, self._scene.radii))
+            points = [int(self._scene.points[end] - self._scene.points[first]) for first, end in runs]
+            if sum(points) > self._worth * bundle.count:
+                continue
+            self._searched.append(bundle)
+            for (first, end), count in zip(runs, points, strict=True):
                 searches.append(_Search(bundle, first, end, result))
-                result += int(self._scene.points[end] - self._scene.points[first])
+                result += count
         height = -(-max(1, result) // _ROW)
         if self._target is None or self._target.height < height:
             if self._target:
@@ -167,9 +180,10 @@ class Images:
             self._triangles.render(moderngl.TRIANGLES, vertices=3 * int(count), first=3 * int(begin))
 
     def draw(self, target: moderngl.Framebuffer, offset: tuple[float, float], rays_unit: int) -> None:
-        """Draw (instance + 1, triangle) of what the mirrored rays, on two units, meet into `target`, nearest first.
+        """Draw (instance + 1, triangle) of what the mirrored rays, on two units, meet first into `target`.
 
-        `offset` of the sample within the pixel.
+        The first is all ones where that is the world, and 0 where a path was not searched. `offset` of the sample
+        within the pixel.
         """
         shader = self._draw
         self._resident.bind(shader)
@@ -177,10 +191,13 @@ class Images:
         shader["shift"] = -2.0 * offset[0] / target.width, -2.0 * offset[1] / target.height
         target.use()
         require().enable_only(moderngl.DEPTH_TEST)
+        self._world["ray_origins"], self._world["ray_directions"] = rays_unit, rays_unit + 1
+        self._world["depth"] = _BEHIND_ALL
         for bundle, first, count in self._drawn:
             left, bottom, right, top = bundle.bounds
             target.scissor = left, bottom, right - left, top - bottom
-            shader["path"] = (*bundle.path[::-1], 0)[:2]
+            shader["path"] = self._world["path"] = (*bundle.path[::-1], 0)[:2]
+            screen(self._world).render(vertices=3)
             self._rectangles.render(moderngl.TRIANGLES, vertices=count, first=first)
         target.scissor = None
 

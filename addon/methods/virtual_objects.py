@@ -31,9 +31,26 @@ ORDERS = Parameter(
     "orders",
     "Reflections",
     2,
-    "How often light may be mirrored exactly; after that a reflector shows its environment map",
+    "How often light may be mirrored by virtual objects; what is mirrored more often is left to the rest",
     minimum=1,
     maximum=2,
+    section="Estalella et al., 8",
+)
+REST = Parameter(
+    "rest",
+    "The rest",
+    "layered-depth",
+    "What draws reflections that are not worth a search, and those of reflections of reflections",
+    choices=("environment-map", "layered-depth"),
+)
+WORTH = Parameter(
+    "worth",
+    "Worth",
+    50,
+    "Most vertices for each pixel that a part of a reflector is seen in; where more may show, it is left to the rest",
+    unit="vertices",
+    minimum=1,
+    maximum=1_000_000,
     section="Estalella et al., 8",
 )
 SHARE = Parameter(
@@ -63,7 +80,9 @@ class VirtualObjects(DeferredMethod):
     Newton's method finds it in the maps, from where a sphere would reflect it, or from the middle of a patch. A
     triangle is then drawn as a rectangle that holds its corners' reflection points, and in each pixel the pixel's own
     mirrored ray decides which of the triangles there it meets first: so curved edges, textures and what hides what
-    are exact. What a reflector mirrors of another, or of itself, is found the same way, by paths of two points.
+    are exact. What a reflector mirrors of another, or of itself, is found the same way, by paths of two points. A part
+    of a reflector that is small on the screen for how much it shows is not worth a search: that, and reflections of
+    reflections, are drawn by `rest`.
 
     Source: Estalella, Martin, Drettakis, Tost, Devillers and Cazals, *Accurate interactive specular reflections on
     curved objects*, 2005, for the maps and the search of vertices. Newton's method, patches, several reflections and
@@ -71,21 +90,25 @@ class VirtualObjects(DeferredMethod):
 
     Outputs: as every method.
 
-    Limitations: costs a search for every vertex and part that may show it, so that scenes with many small curved
-    reflectors are dear; near caustics a thin strip may be missed; after two reflections a reflector shows its
-    environment map.
+    Limitations: costs a search for every vertex and part that may show it; near caustics of hollow mirrors thin strips
+    may be missed; the inside of a convex body that faces outwards mirrors nothing; roughness counts as 0.
     """
 
     name = "virtual-objects"
     source = "after Estalella et al., 4 and 6: vertices reflected by a search in maps of the reflector"
-    parameters = (ORDERS, STEPS, SHARE, LEAST, SIZE, FINER, SPREAD, CUBE_SIZE)
+    parameters = (ORDERS, WORTH, REST, STEPS, SHARE, LEAST, SIZE, FINER, SPREAD, CUBE_SIZE)
     shader = "virtual/virtual_objects.frag"
+
+    @property
+    def defines(self) -> dict[str, int]:
+        """Which shader draws the rest."""
+        return {"REST": REST.choices.index(self.settings["rest"])}
 
     def bake(self, progress: Progress) -> None:
         """Bake the maps of every reflector, and cut what they show."""
         self._maps = ResidentMaps(self.scene, self._bake_maps(progress))
         self._virtual = VirtualScene(self.scene, self._maps, self.settings["share"], self.settings["least"])
-        self._cubes = EnvironmentCubes(self.resident, self.settings["size"])
+        self._cubes = EnvironmentCubes(self.resident, self.settings["size"]) if not self.defines["REST"] else None
         self._bounces: WeakKeyDictionary[Visibility, list[Bounce]] = WeakKeyDictionary()
         self._views: WeakKeyDictionary[Visibility, View] = WeakKeyDictionary()
 
@@ -113,7 +136,7 @@ class VirtualObjects(DeferredMethod):
     def _bounces_for(self, seen: Visibility, view: View) -> list[Bounce]:
         if seen not in self._bounces:
             self._bounces[seen] = [
-                Bounce(self.resident, self._maps, self._virtual, order, self.settings["steps"])
+                Bounce(self.resident, self._maps, self._virtual, order, self.settings)
                 for order in range(1, self.settings["orders"] + 1)
             ]
             for bounce in self._bounces[seen]:
@@ -122,10 +145,11 @@ class VirtualObjects(DeferredMethod):
 
     def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
         """Bind what the rays have met, and the environment maps."""
-        self._cubes.bind(shader)
-        self._maps.bind(shader, MET_UNIT + 2)
-        left = reflections_left(self.scene, view)
-        shader["orders"], shader["goes_on"] = min(self.settings["orders"], left), left > self.settings["orders"]
+        if self._cubes:
+            self._cubes.bind(shader)
+            self._maps.bind(shader, MET_UNIT + 2)
+        shader["allowed"] = reflections_left(self.scene, view)
+        shader["orders"] = min(self.settings["orders"], reflections_left(self.scene, view))
         shader["virtual_objects"], shader["virtual_objects_again"] = MET_UNIT, MET_UNIT + 1
 
     def free(self) -> None:
@@ -134,4 +158,5 @@ class VirtualObjects(DeferredMethod):
             for bounce in bounces:
                 bounce.release()
         for part in (self._maps, self._virtual, self._cubes):
-            part.release()
+            if part:
+                part.release()

@@ -9,10 +9,14 @@ from ..baking.reflector_maps_tables import ResidentMaps
 from ..drawing import first_triangles
 from ..gl import DataTexture, require
 from ..scene import Scene
-from ..tracing import cut_near
+from ..tracing import Near, cut_near
 
 _CHUNK = 64
 """Triangles that are searched, or left out, together."""
+
+
+_LEAST_CURVED = 0.3
+"""Of a reflector's size: a radius of curvature below which it makes no difference; that of a ball is about this."""
 
 
 class VirtualScene:
@@ -29,7 +33,7 @@ class VirtualScene:
         No edge is longer than `share` of its distance from the nearest part of a reflector, but `least` of the radius
         that the part is curved by is short enough.
         """
-        corners, sources = _pieces(scene, maps, share, least * maps.curvature_radii)
+        corners, sources = _pieces(scene, _reflectors(maps, least), share)
         chunk = np.arange(len(corners)) // _CHUNK
         points, indices, self.points = _shared_points(corners.astype(np.float32), chunk)
         self.triangles = np.append(np.arange(0, len(corners), _CHUNK), len(corners))
@@ -58,7 +62,18 @@ class VirtualScene:
             part.release()
 
 
-def _pieces(scene: Scene, maps: ResidentMaps, share: float, least: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def _reflectors(maps: ResidentMaps, least: float) -> list[Near]:
+    """What triangles must be small for. What shows in a small part of a large reflector shows small there."""
+    things = []
+    for owner in np.unique(maps.owner):
+        boxes = maps.boxes[maps.owner == owner]
+        size = np.linalg.norm(boxes[:, 1].max(axis=0) - boxes[:, 0].min(axis=0))
+        radii = maps.curvature_radii[maps.owner == owner]
+        things.append(Near(boxes, least * np.maximum(radii, _LEAST_CURVED * size)))
+    return things
+
+
+def _pieces(scene: Scene, reflectors: list[Near], share: float) -> tuple[np.ndarray, np.ndarray]:
     """(T, 3, 3) float64 corners in the world and (T, 2) int32 sources; what lies together stands together."""
     pieces, sources = [np.zeros((0, 3, 3))], [np.zeros((0, 2), np.int32)]
     for index, instance in enumerate(scene.instances):
@@ -67,7 +82,7 @@ def _pieces(scene: Scene, maps: ResidentMaps, share: float, least: np.ndarray) -
         corners = scene.meshes[instance.mesh].corners.astype(np.float64)
         corners = corners @ instance.matrix[:3, :3].T + instance.matrix[:3, 3]
         good = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
-        cut, piece_of = cut_near(corners[good], maps.boxes, share, least)
+        cut, piece_of = cut_near(corners[good], reflectors, share)
         order = _by_place(cut)
         triangles = first_triangles(scene)[instance.mesh] + good[piece_of[order]]
         pieces.append(cut[order])

@@ -2,7 +2,7 @@
 
 from .convexity import is_convex
 from .curvature import Curvature
-from .cutting import cut_near
+from .cutting import Near, cut_near
 from .flat_parts import FlatParts, flat_parts
 from .hierarchy import OCTANTS
 from .hierarchy import build as build_hierarchy
@@ -17,6 +17,7 @@ __all__ = [
     "FlatParts",
     "InterpolationGrid",
     "Layers",
+    "Near",
     "StarPart",
     "build_hierarchy",
     "build_layers",

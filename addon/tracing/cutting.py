@@ -1,16 +1,27 @@
 """Triangles cut where they are large for what they are near to."""
 
+from collections.abc import Sequence
+from dataclasses import dataclass
+
 import numpy as np
 
 
-def cut_near(
-    corners: np.ndarray, boxes: np.ndarray, share: float, least: np.ndarray, most: int = 4_000_000
-) -> tuple[np.ndarray, np.ndarray]:
-    """Halve triangles `corners` (T, 3, 3) until no edge is longer than `share` of its distance from the `boxes`.
+@dataclass(frozen=True, eq=False)
+class Near:
+    """Something that triangles may be near to: `boxes` (B, 2, 3) of its parts, low and high corners, and `least` (B,)
+    the length of an edge that is short enough however near to each."""
 
-    `boxes` (B, 2, 3) low and high corners, and `least` (B,) what is short enough however near each is; no more than
-    `most` triangles come out. Returns (N, 3, 3) pieces, and (N,) int64 the triangle each is a piece of. A piece's
-    corner may lie within a neighbour's edge.
+    boxes: np.ndarray
+    least: np.ndarray
+
+
+def cut_near(
+    corners: np.ndarray, things: Sequence[Near], share: float, most: int = 1_000_000
+) -> tuple[np.ndarray, np.ndarray]:
+    """Halve triangles `corners` (T, 3, 3) until no edge is longer than `share` of its distance from anything near.
+
+    No more than `most` triangles come out, but for those that went in. Returns (N, 3, 3) pieces, and (N,) int64 the
+    triangle each is a piece of. A piece's corner may lie within a neighbour's edge.
     """
     source = np.arange(len(corners))
     done: list[tuple[np.ndarray, np.ndarray]] = []
@@ -19,9 +30,7 @@ def cut_near(
         edges = np.roll(corners, -1, axis=1) - corners
         lengths = np.linalg.norm(edges, axis=2)
         longest = lengths.argmax(axis=1)
-        length = lengths[np.arange(len(corners)), longest]
-        small = length <= least.min(initial=np.inf)
-        small[~small] = length[~small] <= _allowed(corners[~small], boxes, share, least)
+        small = ~_too_long(corners, lengths[np.arange(len(corners)), longest], things, share)
         if count + 2 * len(corners) > most:
             small[:] = True
         done.append((corners[small], source[small]))
@@ -39,11 +48,22 @@ def _halved(corners: np.ndarray, longest: np.ndarray) -> np.ndarray:
     return np.concatenate([np.stack([a, middle, c], axis=1), np.stack([middle, b, c], axis=1)])
 
 
-def _allowed(corners: np.ndarray, boxes: np.ndarray, share: float, least: np.ndarray) -> np.ndarray:
-    """(T,) the longest edge that each triangle may have, by the distance of the box around it to the others."""
+def _too_long(corners: np.ndarray, length: np.ndarray, things: Sequence[Near], share: float) -> np.ndarray:
+    """(T,) bool: whether triangles' longest edges, `length` (T,), are too long for their distance from anything."""
     low, high = corners.min(axis=1), corners.max(axis=1)
-    allowed = np.full(len(corners), np.inf)
-    for box, enough in zip(boxes, least, strict=True):
-        gap = np.maximum(np.maximum(box[0] - high, low - box[1]), 0.0)
-        allowed = np.minimum(allowed, np.maximum(share * np.linalg.norm(gap, axis=1), enough))
-    return allowed
+    too_long = np.zeros(len(corners), bool)
+    for thing in things:
+        around = thing.boxes[:, 0].min(axis=0), thing.boxes[:, 1].max(axis=0)
+        asked = np.flatnonzero(~too_long & _beyond(low, high, length, around, thing.least.min(), share))
+        for box, least in zip(thing.boxes, thing.least, strict=True):
+            if not len(asked):
+                break
+            beyond = _beyond(low[asked], high[asked], length[asked], box, least, share)
+            too_long[asked[beyond]] = True
+            asked = asked[~beyond]
+    return too_long
+
+
+def _beyond(low: np.ndarray, high: np.ndarray, length: np.ndarray, box, least: float, share: float) -> np.ndarray:
+    gap = np.maximum(np.maximum(box[0] - high, low - box[1]), 0.0)
+    return (length > least) & (length > share * np.linalg.norm(gap, axis=1))

@@ -2,9 +2,8 @@
 
 #include "common/layers.glsl"
 
-uniform int reflections;  // how often a path may reflect before it goes black
-
-Mirrored traced_light(Surface s, vec3 direction) {
+// `reflections`: how often a path may reflect before it goes black, this time included.
+Mirrored traced_light(Surface s, vec3 direction, int reflections) {
     Mirrored seen = Mirrored(vec3(0.0), FAR);
     vec3 throughput = vec3(1.0);
     Hit at = s.at;

@@ -4,6 +4,8 @@
 #include "common/reflection.glsl"
 #include "common/traced.glsl"
 
+uniform int reflections;  // how often a path may reflect before it goes black
+
 Mirrored mirrored_light(Surface s, vec3 direction) {
-    return traced_light(s, direction);
+    return traced_light(s, direction, reflections);
 }

@@ -4,7 +4,9 @@
 #include "common/traced.glsl"
 #include "planar/mirror.glsl"
 
+uniform int reflections;  // how often a path may reflect before it goes black
+
 Mirrored mirrored_light(Surface s, vec3 direction) {
     if (!shows_mirror(s.at.instance, s.at.triangle)) discard;
-    return traced_light(s, direction);
+    return traced_light(s, direction, reflections);
 }

@@ -2,13 +2,14 @@
 
 #include "virtual/rays.glsl"
 #include "virtual/met.glsl"
+#include "virtual/seen.glsl"
 
 uniform usampler2D virtual_objects;
 
 void main() {
     ivec2 pixel = ivec2(gl_FragCoord.xy);
     uvec2 seen = texelFetch(virtual_objects, pixel, 0).xy;
-    if (seen.x == 0u || !is_reflector(int(seen.x) - 1)) discard;
+    if (seen.x == NOT_SEARCHED || seen.x == WORLD_SEEN || !is_reflector(int(seen.x) - 1)) discard;
     vec3 met = met_on(pixel, int(seen.x) - 1, int(seen.y));
     vec4 origin = texelFetch(ray_origins, pixel, 0);
     vec3 direction = texelFetch(ray_directions, pixel, 0).xyz;
