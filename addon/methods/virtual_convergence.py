@@ -1,28 +1,155 @@
-"""Where the searches of reflection points end."""
+"""How fast the searches of reflection points come near to them: ours, and the published one."""
+
+from collections.abc import Mapping
+from dataclasses import dataclass
 
 import moderngl
 import numpy as np
 
+from ..baking.reflector_maps import reflector_maps
 from ..baking.reflector_maps_tables import ResidentMaps
-from ..drawing import FREE_UNIT
-from ..gl import feedback, require
+from ..cache import Cache
+from ..drawing import FREE_UNIT, world_box, world_to_clip
+from ..gl import feedback, on_gl_thread, require
+from ..parameters import Value
+from ..scene import Scene
 from ..tracing import Curvature
+from .virtual_pictures import eye_of
+
+STEPS = 12
+"""That convergence is followed for."""
+
+_ENDED = 48
+"""Steps after which a search has long ended."""
+
+_RIGHT = 1e-3
+"""Radians that bisector and normal may be apart at a reflection point."""
+
+_MOST_VERTICES, _MOST_PARTS = 4000, 24
+"""That are looked at in a scene."""
+
+
+@dataclass(frozen=True, eq=False)
+class Convergence:
+    """How near a search has come after 1 to STEPS steps.
+
+    `within` (STEPS,) is the share of vertices whose reflection point is shown within a pixel of where it belongs, and
+    `farthest` (STEPS,) the largest error, in pixels.
+    """
+
+    within: np.ndarray
+    farthest: np.ndarray
+
+    @property
+    def exact_after(self) -> int | None:
+        """Steps until 99 of 100 vertices are within a pixel; None where that takes more than STEPS."""
+        exact = np.flatnonzero(self.within >= 0.99)
+        return int(exact[0]) + 1 if len(exact) else None
+
+
+@on_gl_thread
+def convergence(
+    scene: Scene, size: tuple[int, int], settings: Mapping[str, Value], cache: Cache | None = None
+) -> dict[str, Convergence] | None:
+    """Both searches, `published` and `ours`, in the reflector that is largest in a picture of `size` pixels.
+
+    `settings` are those of the maps; of some thousand vertices those count that the reflector shows in the picture.
+    None if there are none.
+    """
+    index = _largest(scene, size)
+    points = _vertices(scene, index)
+    if index is None or not len(points):
+        return None
+    maps = reflector_maps(scene.meshes[scene.instances[index].mesh], dict(settings), cache)
+    tables = ResidentMaps(scene, {index: maps[:_MOST_PARTS]})
+    try:
+        return _followed(scene, size, tables, points)
+    finally:
+        tables.release()
+
+
+def _largest(scene: Scene, size: tuple[int, int]) -> int | None:
+    """The reflector whose box covers most of the picture."""
+    clip, areas = world_to_clip(scene.camera, *size), {}
+    for index in scene.reflectors:
+        box = world_box(scene.instances[index], scene.meshes[scene.instances[index].mesh])
+        corners = np.array([[*np.where(bits, box[1], box[0]), 1.0] for bits in np.ndindex(2, 2, 2)]) @ clip.T
+        if (corners[:, 3] > 0.0).all():
+            shown = np.clip(corners[:, :2] / corners[:, 3:], -1.0, 1.0)
+            areas[index] = float(np.ptp(shown, axis=0).prod())
+    return max(areas, key=areas.get, default=None)
+
+
+def _vertices(scene: Scene, reflector: int | None) -> np.ndarray:
+    """(N, 3) of what is around a reflector, evenly from all."""
+    parts = [np.zeros((0, 3))]
+    for index, instance in enumerate(scene.instances):
+        if index != reflector and instance.in_reflections:
+            positions = scene.meshes[instance.mesh].positions.astype(np.float64)
+            parts.append(positions @ instance.matrix[:3, :3].T + instance.matrix[:3, 3])
+    points = np.concatenate(parts)
+    points = points[np.isfinite(points).all(axis=1)]
+    return points[:: -(-len(points) // _MOST_VERTICES) or 1]
+
+
+def _followed(scene: Scene, size: tuple[int, int], tables: ResidentMaps, points: np.ndarray) -> dict | None:
+    """The errors of both searches in all parts, put together."""
+    clip, eye = world_to_clip(scene.camera, *size), np.array(eye_of(scene.camera))
+    errors: dict[str, list[np.ndarray]] = {"published": [], "ours": []}
+    for number in range(1, len(tables.maps) + 1):
+        ends = reflection_points(tables, number, eye, points, _ENDED, published=False)
+        right = (ends[:, 3] >= 0.0) & (ends[:, 3] < _RIGHT) & _is_on(tables, number, ends[:, :3])
+        places, inside = _pixels(clip, size, ends[:, :3])
+        right &= inside
+        if not right.any():
+            continue
+        for name, each in errors.items():
+            for steps in range(1, STEPS + 1):
+                now = reflection_points(tables, number, eye, points[right], steps, published=name == "published")
+                each.append(np.linalg.norm(_pixels(clip, size, now[:, :3])[0] - places[right], axis=1))
+    if not errors["ours"]:
+        return None
+    return {name: _summed(each) for name, each in errors.items()}
+
+
+def _summed(errors: list[np.ndarray]) -> Convergence:
+    """Of errors by step, part after part."""
+    by_step = np.array([np.concatenate(errors[step::STEPS]) for step in range(STEPS)])
+    return Convergence((by_step <= 1.0).mean(axis=1), by_step.max(axis=1))
+
+
+def _pixels(clip: np.ndarray, size: tuple[int, int], points: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """(N, 2) where points are in the picture, from its middle, and (N,) whether that is within."""
+    at = np.c_[points, np.ones(len(points))] @ clip.T
+    places = at[:, :2] / np.where(at[:, 3:] == 0.0, 1e-30, at[:, 3:]) * np.array(size) / 2.0
+    return places, (at[:, 3] > 0.0) & (np.abs(places) <= np.array(size) / 2.0).all(axis=1)
+
+
+def _is_on(tables: ResidentMaps, number: int, points: np.ndarray) -> np.ndarray:
+    """(N,) whether points of the reflector lie on the part's own side of its map."""
+    one = tables.maps[number - 1]
+    if one.is_whole:
+        return np.ones(len(points), bool)
+    inward = np.linalg.inv(tables.to_world(number))
+    x, y, z = (points @ inward[:3, :3].T + inward[:3, 3]).T
+    return np.maximum(np.abs(x), np.abs(y)) <= one.reach * z
 
 
 def reflection_points(
-    maps: ResidentMaps, number: int, eye: np.ndarray, points: np.ndarray, steps: int, published: bool, **uniforms: float
+    maps: ResidentMaps, number: int, eye: np.ndarray, points: np.ndarray, steps: int, published: bool
 ) -> np.ndarray:
     """(N, 4) float32: where the search for each of the world's `points` (N, 3) is after so many steps; GL thread.
 
-    xyz the point of the reflector, w how the bisector leans there, below 0 for a hidden vertex. `eye` (4,), w 0 for
-    one that is infinitely far away; `number` that of the part, from 1; `uniforms` of the search.
+    xyz the point of the reflector, w the angle in radians between normal and bisector there, below 0 where the part
+    hides the vertex or faces away. `eye` (4,), w 0 for one that is infinitely far away; `number` that of the part,
+    from 1.
     """
     stages = {"vertex_shader": "virtual_published/points.vert"}
     shader = feedback(stages, ("reached",), {"ORDER": 1, "PUBLISHED": int(published)})
     maps.bind(shader, FREE_UNIT + 1)
     maps.choose(shader, (number,))
     concave = maps.maps[number - 1].part.curvature is Curvature.CONCAVE
-    given = {"eye": tuple(eye), "steps": steps, "threshold": 0.0, "first_step": -1.0 if concave else 1.0, **uniforms}
+    given = {"eye": tuple(eye), "steps": steps, "threshold": 0.0, "first_step": -1.0 if concave else 1.0}
     for name, value in given.items():
         if name in shader:
             shader[name] = value

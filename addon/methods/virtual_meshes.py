@@ -5,10 +5,16 @@ from collections.abc import Sequence
 import moderngl
 import numpy as np
 
-from ..drawing import first_triangles
+from ..drawing import first_triangles, world_box
 from ..gl import DataTexture, require
-from ..scene import Mesh, Scene
-from ..tracing import interpolation_grid
+from ..scene import Scene
+from ..tracing import cut_near, interpolation_grid
+
+TABLES = 3
+"""Texture units that the tables take."""
+
+_LEAST = 0.1
+"""Of a reflector's size: what is short enough for an edge, however near it is."""
 
 
 class VirtualMeshes:
@@ -18,11 +24,15 @@ class VirtualMeshes:
     likewise, and lies in the ball of `centres` (N, 3) and `radii` (N,).
     """
 
-    def __init__(self, scene: Scene, shown: Sequence[int], share: float) -> None:
-        """Upload the instances `shown`; `share` of their vertices are searched, those of grids, or with 0 all."""
-        parts = [_placed(scene, index, share) for index in shown]
+    def __init__(self, scene: Scene, shown: Sequence[int], grid: float, cut: float = 0.0) -> None:
+        """Upload the instances `shown`.
+
+        `grid`: the share of their vertices that is searched, those of grids; with 0 all are. `cut`: no edge is longer
+        than that share of its distance from the nearest reflector, or a tenth of that one's size; with 0 all stay.
+        """
+        parts = [one for one in (_placed(scene, index, grid, cut) for index in shown) if len(one[0])]
         points, cells, vertices, triangles, sources = ([part[column] for part in parts] for column in range(5))
-        self.has_grid = share > 0.0
+        self.has_grid = grid > 0.0
         self.points = _first(points)
         self.triangles = _first(triangles)
         self.centres = np.array([(one.min(axis=0) + one.max(axis=0)) / 2.0 for one in points]).reshape(-1, 3)
@@ -36,7 +46,10 @@ class VirtualMeshes:
         self._vertices = context.buffer(_joined(vertices, np.zeros(1, _VERTEX)))
         self._indices = context.buffer(_joined(_shifted(triangles, first_vertex), np.zeros((1, 3))).astype(np.int32))
         corners = _joined(_shifted(cells, self.points), np.zeros((1, 8))).astype(np.int32)
-        self._cells, self._sources = DataTexture(corners.reshape(-1, 4)), DataTexture(_joined(sources, _NO_SOURCE))
+        self._cells = DataTexture(corners.reshape(-1, 4))
+        told = _joined(sources, np.zeros(1, _SOURCE))
+        self._sources = DataTexture(np.stack([told["triangle"], told["instance"]], axis=1))
+        self._corners = DataTexture(np.ascontiguousarray(told["corners"]).reshape(-1, 2))
 
     def by_point(self, shader: moderngl.Program) -> moderngl.VertexArray:
         """A vertex array of each point to search."""
@@ -52,50 +65,70 @@ class VirtualMeshes:
         return require().vertex_array(shader, [vertices], self._indices)
 
     def bind(self, shader: moderngl.Program, unit: int) -> None:
-        """Bind the tables to two texture units from `unit` on."""
-        for offset, (name, table) in enumerate({"sources": self._sources, "cells": self._cells}.items()):
+        """Bind the tables to TABLES texture units from `unit` on."""
+        tables = {"sources": self._sources, "source_corners": self._corners, "cells": self._cells}
+        for offset, (name, table) in enumerate(tables.items()):
             if name in shader:
                 table.use(unit + offset)
                 shader[name] = unit + offset
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self._points, self._vertices, self._indices, self._cells, self._sources):
+        for part in (self._points, self._vertices, self._indices, self._cells, self._sources, self._corners):
             part.release()
 
 
 _VERTEX = np.dtype([("position", np.float32, 3), ("cell", np.int32), ("place", np.float32, 3)])
-_NO_SOURCE = np.zeros((1, 2), np.int32)
+_SOURCE = np.dtype([("triangle", np.int32), ("instance", np.int32), ("corners", np.float32, (3, 2))])
+_WHOLE = np.array([[0.0, 0.0], [1.0, 0.0], [0.0, 1.0]])
+"""Barycentrics of a triangle's own corners."""
 
 
-def _placed(scene: Scene, index: int, share: float) -> tuple[np.ndarray, ...]:
-    """World points to search (G, 3), cells (C, 8), vertices (V,), triangles (T, 3) and their sources (T, 2)."""
+def _placed(scene: Scene, index: int, grid: float, cut: float) -> tuple[np.ndarray, ...]:
+    """World points to search (G, 3), cells (C, 8), vertices (V,), triangles (T, 3) and their sources (T,)."""
     instance = scene.instances[index]
     mesh = scene.meshes[instance.mesh]
-    points, cells, vertices = _searched(mesh, share)
-    vertices["position"] = _moved(instance.matrix, vertices["position"])
     good = np.isfinite(mesh.positions).all(axis=1)
-    # A triangle with a corner that is nowhere keeps its number, and no area.
-    triangles = np.where(good[mesh.triangles].all(axis=1, keepdims=True), mesh.triangles, 0)
-    numbers = first_triangles(scene)[instance.mesh] + np.arange(len(triangles))
-    sources = np.stack([numbers, np.full(len(triangles), index)], axis=1).astype(np.int32)
-    return _moved(instance.matrix, points), cells, vertices, triangles, sources
+    world = np.where(good[:, None], mesh.positions, 0.0) @ instance.matrix[:3, :3].T + instance.matrix[:3, 3]
+    kept = np.flatnonzero(good[mesh.triangles].all(axis=1))
+    triangles, corners = mesh.triangles[kept], np.broadcast_to(_WHOLE, (len(kept), 3, 2))
+    if cut:
+        world, triangles, piece_of, corners = _cut(world[triangles], *_near(scene), cut)
+        kept = kept[piece_of]
+    sources = np.zeros(len(triangles), _SOURCE)
+    sources["triangle"], sources["instance"] = first_triangles(scene)[instance.mesh] + kept, index
+    sources["corners"] = corners
+    return *_searched(world, grid), triangles, sources
 
 
-def _searched(mesh: Mesh, share: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The points of a mesh that are searched, its cells, and each vertex' cell and place in it."""
-    positions = np.where(np.isfinite(mesh.positions), mesh.positions, 0.0)
+def _near(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
+    """The boxes (R, 2, 3) of the reflectors, and how long an edge beside each may be however near it is."""
+    reflectors = [scene.instances[index] for index in scene.reflectors]
+    boxes = np.array([world_box(one, scene.meshes[one.mesh]) for one in reflectors]).reshape(-1, 2, 3)
+    return boxes, _LEAST * np.linalg.norm(boxes[:, 1] - boxes[:, 0], axis=1)
+
+
+def _cut(corners: np.ndarray, boxes: np.ndarray, least: np.ndarray, share: float) -> tuple[np.ndarray, ...]:
+    """Triangles (T, 3, 3) in pieces: their points (P, 3), triangles (N, 3), what each is of (N,) and where (N, 3, 2)."""
+    pieces, piece_of = cut_near(corners, boxes, share, least)
+    points, triangles = np.unique(pieces.reshape(-1, 3).astype(np.float32), axis=0, return_inverse=True)
+    a, b, c = (corners[piece_of, corner][:, None] for corner in range(3))
+    normal = np.cross(b - a, c - a)
+    area = np.maximum((normal * normal).sum(axis=2), 1e-300)
+    v = (np.cross(pieces - a, c - a) * normal).sum(axis=2) / area
+    w = (np.cross(b - a, pieces - a) * normal).sum(axis=2) / area
+    return points, triangles.reshape(-1, 3), piece_of, np.stack([v, w], axis=2)
+
+
+def _searched(positions: np.ndarray, share: float) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """The points that are searched for vertices (V, 3), their cells, and each vertex' cell and place in it."""
     vertices = np.zeros(len(positions), _VERTEX)
     vertices["position"] = positions
-    if not share:
+    if not share or not len(positions):
         return positions, np.zeros((0, 8), np.int64), vertices
     grid = interpolation_grid(positions, share)
     vertices["cell"], vertices["place"] = grid.cell, grid.place
     return grid.corners, grid.cells, vertices
-
-
-def _moved(matrix: np.ndarray, points: np.ndarray) -> np.ndarray:
-    return points.astype(np.float64) @ matrix[:3, :3].T + matrix[:3, 3]
 
 
 def _first(parts: Sequence[np.ndarray]) -> np.ndarray:

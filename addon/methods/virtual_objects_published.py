@@ -45,6 +45,16 @@ GRID = Parameter(
     maximum=100.0,
     section="Estalella et al., 5",
 )
+CUT = Parameter(
+    "cut",
+    "Piece size",
+    0.0,
+    "Triangles are cut until no edge is longer than this share of its distance from a reflector; 0 leaves them whole, "
+    "as published",
+    minimum=0.0,
+    maximum=10.0,
+    section="Estalella et al., 8",
+)
 
 
 class VirtualObjectsPublished(DeferredMethod):
@@ -68,7 +78,7 @@ class VirtualObjectsPublished(DeferredMethod):
     Outputs: as every method.
 
     Limitations: edges are straight between vertices, so that coarse meshes, a floor of two triangles say, are bent
-    wrongly, and tear where the mirror hides a part of them; nothing of a reflector in itself; other reflectors show
+    wrongly, and tear where the mirror hides a part of them, unless *Piece size* cuts them; nothing of a reflector in itself; other reflectors show
     in the environment map alone, and hide nothing; saddles, and concave parts of what is near their focus, have no
     one reflection point for the search to find; too few steps, or too wide a grid, move images; dear for reflectors
     of many parts.
@@ -76,7 +86,7 @@ class VirtualObjectsPublished(DeferredMethod):
 
     name = "virtual-objects-published"
     source = "Estalella et al. 2005: vertices searched in midpoint steps through maps of the reflector"
-    parameters = (STEPS, THRESHOLD, GRID, SIZE, FINER, SPREAD, CUBE_SIZE)
+    parameters = (STEPS, THRESHOLD, GRID, CUT, SIZE, FINER, SPREAD, CUBE_SIZE)
     shader = "virtual_published/virtual_objects_published.frag"
 
     def bake(self, progress: Progress) -> None:
@@ -84,7 +94,7 @@ class VirtualObjectsPublished(DeferredMethod):
         self._maps = ResidentMaps(self.scene, self._bake_maps(progress))
         instances = enumerate(self.scene.instances)
         shown = [index for index, one in instances if one.in_reflections and not one.reflector]
-        self._meshes = VirtualMeshes(self.scene, shown, self.settings["grid"] / 100.0)
+        self._meshes = VirtualMeshes(self.scene, shown, self.settings["grid"] / 100.0, self.settings["cut"])
         self._cubes = EnvironmentCubes(self.resident, self.settings["size"], frozenset(shown), self.reflectors)
         self._pictures: WeakKeyDictionary[Visibility, VirtualPicture] = WeakKeyDictionary()
 

@@ -15,7 +15,7 @@ from ..tracing import Curvature
 from .contract import View
 from .situation import placed
 from .virtual_bundles import Bundle, bundles_of
-from .virtual_meshes import VirtualMeshes
+from .virtual_meshes import TABLES, VirtualMeshes
 from .virtual_scene import runs_of
 
 _ROW = 4096
@@ -28,7 +28,7 @@ _MAPS_UNIT = FREE_UNIT + 1
 _RAYS_UNIT = _MAPS_UNIT + UNITS
 _RESULTS_UNIT = _RAYS_UNIT + 2
 _MESHES_UNIT = _RESULTS_UNIT + 1
-MET_UNIT = _MESHES_UNIT + 2
+MET_UNIT = _MESHES_UNIT + TABLES
 """What is seen in the reflectors is on this texture unit."""
 
 

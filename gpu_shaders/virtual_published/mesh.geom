@@ -7,7 +7,8 @@ layout(triangle_strip, max_vertices = 3) out;
 #include "common/data.glsl"
 
 uniform mat4 world_to_clip;
-uniform isampler2D sources;  // which triangle of which instance each is
+uniform isampler2D sources;        // which triangle of which instance each is a piece of
+uniform sampler2D source_corners;  // 3 texels a triangle: barycentrics in there of its corners
 uniform int first_triangle;
 
 in vec4 image[];
@@ -23,11 +24,12 @@ const float ALL = 0.999;     // of what is interpolated
 void main() {
     vec3 hidden = vec3(image[0].w, image[1].w, image[2].w);
     if (all(greaterThan(hidden, vec3(ALL)))) return;
+    int triangle = first_triangle + gl_PrimitiveIDIn;
     for (int i = 0; i < 3; ++i) {
         gl_Position = world_to_clip * vec4(image[i].xyz, 1.0);
         mirrored = original[i];
-        barycentric = vec2(i == 1, i == 2);
-        source = texelFetch(sources, texel_at(first_triangle + gl_PrimitiveIDIn), 0).xy;
+        barycentric = texelFetch(source_corners, texel_at(3 * triangle + i), 0).xy;
+        source = texelFetch(sources, texel_at(triangle), 0).xy;
         straddles = any(greaterThan(hidden, vec3(0.0))) ? 1 : 0;
         EmitVertex();
     }
