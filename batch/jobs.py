@@ -14,7 +14,7 @@ from ..addon.methods.registry import METHODS
 from ..addon.parameters import Value
 from ..addon.progress import Progress, part_of, silent
 from ..addon.scene import Lighting, Scene
-from . import plates
+from . import plates, searches
 from .judging import Shot, supersampling
 from .machine import check_size, describe, own_version
 from .pictures import plates_folder
@@ -136,6 +136,8 @@ class _Comparison:
                 row(source, shot, name, bar.step(name, float(start), float(end)))
                 if name == plates.PUBLISHED:
                     self._draw_plates(shot, bar.step("plates", float(end), float(end)))
+                if name in searches.METHODS.values():
+                    searches.follow(shot, self.job.settings[name], self.cache)
             except CatoptricError as error:
                 self._skip(self._not_measured(shot, name, str(error), error=True))
 

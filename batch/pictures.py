@@ -64,6 +64,11 @@ def plates_folder(scene: str, frame: int, lighting: str) -> str:
     return f"plates/{_slug(scene)}/{_slug(lighting)}-{frame:04d}"
 
 
+def searches_path(scene: str, frame: int, lighting: str) -> str:
+    """Where the figures of a scene's searches lie (batch/searches.py), relative to the folder of the report."""
+    return f"images/{_slug(scene)}/{_slug(lighting)}-{frame:04d}-searches.json"
+
+
 def save_images(
     directory: Path, images: Images, color: np.ndarray, reference: np.ndarray, flip: np.ndarray, metadata: Mapping
 ) -> None:

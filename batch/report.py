@@ -11,10 +11,12 @@ import numpy as np
 
 from ..addon.metrics import MAGMA, Figures, PictureError
 from .page import templates, texts
-from .pictures import load_picture, plates_folder
+from .pictures import load_picture, plates_folder, searches_path
 from .plates_page import FILE_NAME as PLATES
 from .report_pictures import pack_flip, pack_picture, thumbnail, window_of_interest
 from .results import Result, Results, atomically
+from .searches import METHODS as SEARCHES
+from .searches import STEPS, Curve, load
 
 FILE_NAME = "report.html"
 
@@ -71,7 +73,7 @@ class Comparison:
     """All methods in one frame of one scene under one lighting; pictures are data for the page, by method.
 
     The reference, where there is one, is the picture of the method "". `plates` is where the page of the paper's
-    plates lies, if there is one.
+    plates lies, if there is one; `searches` are the curves of what searched for reflection points.
     """
 
     number: int
@@ -81,6 +83,7 @@ class Comparison:
     thumbnails: dict[str, str] = field(default_factory=dict)
     problems: list[str] = field(default_factory=list)
     plates: str | None = None
+    searches: list[Curve] = field(default_factory=list)
 
     @property
     def first(self) -> Result:
@@ -127,6 +130,7 @@ def write_report(results: Results, directory: Path, limit: int = EMBEDDED_LIMIT)
     comparisons = _comparisons(results.results)
     for comparison in comparisons:
         comparison.plates = _plates(comparison.first, directory)
+        comparison.searches = _searches(comparison, directory)
         limit -= _embed(comparison, directory, limit)
     environment = templates()
     environment.filters["number"] = write_number
@@ -166,6 +170,13 @@ def _least_error(group: list[Result]) -> float:
 def _plates(result: Result, directory: Path) -> str | None:
     page = f"{plates_folder(result.scene, result.frame, result.lighting)}/{PLATES}"
     return page if (directory / page).is_file() else None
+
+
+def _searches(comparison: Comparison, directory: Path) -> list[Curve]:
+    first = comparison.first
+    if comparison.by_method.keys().isdisjoint(SEARCHES.values()):
+        return []
+    return load(directory / searches_path(first.scene, first.frame, first.lighting))
 
 
 def _embed(comparison: Comparison, directory: Path, limit: int) -> int:
@@ -238,6 +249,7 @@ def _context(results: Results, comparisons: list[Comparison]) -> dict:
         "settings": {method: list(_settings(results, method)) for method in methods},
         "best_of": _best_of,
         "chart": _chart,
+        "steps": STEPS,
         "magma": [f"#{red:02x}{green:02x}{blue:02x}" for red, green, blue in MAGMA[::17]],
         "palette": "".join(f"{value:02x}" for value in MAGMA.ravel()),
         "style": texts("report.css"),

@@ -147,8 +147,10 @@ def test_more_steps_show_more_of_it_right():
     assert shares[0] > shares[1] > shares[2]
 
 
-def test_coarse_polygons_are_bent_wrongly():
-    assert wrong(beside_a_ball(0), {"grid": 0}) > 0.2
+def test_coarse_polygons_are_bent_wrongly_unless_they_are_cut():
+    scene = beside_a_ball(0)
+    assert wrong(scene, {"grid": 0}) > 0.2
+    assert wrong(scene, {"grid": 0, "cut": 0.1, "steps": 12}) < 0.02
 
 
 def test_stretched_turned_and_seen_without_perspective():

@@ -109,7 +109,7 @@ def _near(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _cut(corners: np.ndarray, boxes: np.ndarray, least: np.ndarray, share: float) -> tuple[np.ndarray, ...]:
-    """Triangles (T, 3, 3) in pieces: their points (P, 3), triangles (N, 3), what each is of (N,) and where (N, 3, 2)."""
+    """Triangles (T, 3, 3) in pieces: points (P, 3), triangles (N, 3), which each is of (N,) and where (N, 3, 2)."""
     pieces, piece_of = cut_near(corners, boxes, share, least)
     points, triangles = np.unique(pieces.reshape(-1, 3).astype(np.float32), axis=0, return_inverse=True)
     a, b, c = (corners[piece_of, corner][:, None] for corner in range(3))

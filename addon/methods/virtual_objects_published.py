@@ -78,10 +78,10 @@ class VirtualObjectsPublished(DeferredMethod):
     Outputs: as every method.
 
     Limitations: edges are straight between vertices, so that coarse meshes, a floor of two triangles say, are bent
-    wrongly, and tear where the mirror hides a part of them, unless *Piece size* cuts them; nothing of a reflector in itself; other reflectors show
-    in the environment map alone, and hide nothing; saddles, and concave parts of what is near their focus, have no
-    one reflection point for the search to find; too few steps, or too wide a grid, move images; dear for reflectors
-    of many parts.
+    wrongly, and tear where the mirror hides a part of them, unless *Piece size* cuts them; nothing of a reflector in
+    itself; other reflectors show in the environment map alone, and hide nothing; saddles, and concave parts of what
+    is near their focus, have no one reflection point for the search to find; too few steps, or too wide a grid, move
+    images; dear for reflectors of many parts.
     """
 
     name = "virtual-objects-published"

@@ -77,7 +77,7 @@ class VirtualPicture:
         bundles = bundles_of(*(self._read(part) for part in self._ray_textures))
         self._target.clear()
         for runs in self._batches(bundles):
-            self._find(view, runs, steps, threshold)
+            self.find(view, runs, steps, threshold)
             self._show(view, runs, offset)
 
     def _read(self, texture: moderngl.Texture) -> np.ndarray:
@@ -97,7 +97,7 @@ class VirtualPicture:
         if runs:
             yield runs
 
-    def _find(self, view: View, runs: Sequence[_Run], steps: int, threshold: float) -> None:
+    def find(self, view: View, runs: Sequence[_Run], steps: int, threshold: float) -> None:
         """Search the virtual vertices of some runs."""
         last, shader = runs[-1], self._search
         height = -(-(last.result + int(self._meshes.points[last.end] - self._meshes.points[last.first])) // _ROW)
