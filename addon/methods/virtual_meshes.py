@@ -8,7 +8,7 @@ import numpy as np
 from ..drawing import first_triangles, world_box
 from ..gl import DataTexture, require
 from ..scene import Scene
-from ..tracing import cut_near, interpolation_grid
+from ..tracing import Near, cut_near, interpolation_grid
 
 TABLES = 3
 """Texture units that the tables take."""
@@ -93,7 +93,7 @@ def _placed(scene: Scene, index: int, grid: float, cut: float) -> tuple[np.ndarr
     kept = np.flatnonzero(good[mesh.triangles].all(axis=1))
     triangles, corners = mesh.triangles[kept], np.broadcast_to(_WHOLE, (len(kept), 3, 2))
     if cut:
-        world, triangles, piece_of, corners = _cut(world[triangles], *_near(scene), cut)
+        world, triangles, piece_of, corners = _cut(world[triangles], _near(scene), cut)
         kept = kept[piece_of]
     sources = np.zeros(len(triangles), _SOURCE)
     sources["triangle"], sources["instance"] = first_triangles(scene)[instance.mesh] + kept, index
@@ -101,16 +101,16 @@ def _placed(scene: Scene, index: int, grid: float, cut: float) -> tuple[np.ndarr
     return *_searched(world, grid), triangles, sources
 
 
-def _near(scene: Scene) -> tuple[np.ndarray, np.ndarray]:
-    """The boxes (R, 2, 3) of the reflectors, and how long an edge beside each may be however near it is."""
+def _near(scene: Scene) -> list[Near]:
+    """The reflectors: an edge of a tenth of one's size is short enough however near it is."""
     reflectors = [scene.instances[index] for index in scene.reflectors]
-    boxes = np.array([world_box(one, scene.meshes[one.mesh]) for one in reflectors]).reshape(-1, 2, 3)
-    return boxes, _LEAST * np.linalg.norm(boxes[:, 1] - boxes[:, 0], axis=1)
+    boxes = [world_box(one, scene.meshes[one.mesh]) for one in reflectors]
+    return [Near(box[None], np.array([_LEAST * np.linalg.norm(box[1] - box[0])])) for box in boxes]
 
 
-def _cut(corners: np.ndarray, boxes: np.ndarray, least: np.ndarray, share: float) -> tuple[np.ndarray, ...]:
+def _cut(corners: np.ndarray, things: Sequence[Near], share: float) -> tuple[np.ndarray, ...]:
     """Triangles (T, 3, 3) in pieces: points (P, 3), triangles (N, 3), which each is of (N,) and where (N, 3, 2)."""
-    pieces, piece_of = cut_near(corners, boxes, share, least)
+    pieces, piece_of = cut_near(corners, things, share)
     points, triangles = np.unique(pieces.reshape(-1, 3).astype(np.float32), axis=0, return_inverse=True)
     a, b, c = (corners[piece_of, corner][:, None] for corner in range(3))
     normal = np.cross(b - a, c - a)
