@@ -4,6 +4,9 @@ import numpy as np
 
 _SIDES = ((0, 1), (0, -1), (1, 0), (-1, 0))
 
+_RINGS = 16
+"""Texels from the known ones at which all is trend."""
+
 _FADING = 0.7
 """By how much less a ring goes on than the one before: where two rings meet, what they go on by has faded."""
 
@@ -14,7 +17,7 @@ _STIFF = 1e-3
 def grown(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     """`values` (H, W, C) with those that are not `known` (H, W) made up: as smooth as the known ones go on.
 
-    What is far from the known ones follows the quadratic that is nearest to them. What a texel lies off it fades: ring
+    What is far from the known ones follows the quadratic that is nearest to them. What they lie off it fades: ring
     after ring, a texel becomes the mean of what the lines through its neighbours lead to. Where nothing is known all
     is 0.
     """
@@ -23,21 +26,24 @@ def grown(values: np.ndarray, known: np.ndarray) -> np.ndarray:
     if not known.any():
         return np.zeros_like(values)
     trend = _trend(values, known)
-    filled = np.where(known[..., None], values - trend, 0.0)
-    there = known.copy()
-    while not there.all():
-        total, count = np.zeros_like(filled), np.zeros(there.shape)
+    off = np.where(known[..., None], values - trend, 0.0)
+    faded, there = off.copy(), known.copy()
+    for number in range(1, _RINGS):
+        total, count = np.zeros_like(off), np.zeros(there.shape)
         for side in _SIDES:
-            near, has_near = _moved(filled, side), _moved(there, side)
-            far, has_far = _moved(filled, side, 2), _moved(there, side, 2)
+            near, has_near = _moved(off, side), _moved(there, side)
+            far, has_far = _moved(off, side, 2), _moved(there, side, 2)
             guess = np.where(has_far[..., None], near + _FADING * (near - far), near)
             weight = np.where(has_near, np.where(has_far, 1.0, 0.01), 0.0)
             total += weight[..., None] * guess
             count += weight
         ring = (count > 0) & ~there
-        filled[ring] = total[ring] / count[ring][:, None]
+        if not ring.any():
+            break
+        off[ring] = total[ring] / count[ring][:, None]
+        faded[ring] = off[ring] * (1.0 - (number / _RINGS) ** 2)
         there |= ring
-    return np.where(known[..., None], values, trend + filled).astype(values.dtype)
+    return np.where(known[..., None], values, trend + faded).astype(values.dtype)
 
 
 def _trend(values: np.ndarray, known: np.ndarray) -> np.ndarray:

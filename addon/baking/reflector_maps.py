@@ -59,6 +59,9 @@ _LEAST_LIKE_A_BALL = 1e-4
 
 _LEAST_PATCH = 8
 
+_LEAST_NEAR = 0.25
+"""How near what is made up is at least, of how near the farthest texel is that the reflector covers."""
+
 _PATCH_FACE = 4
 """A patch lies before its frame's third axis: on the face +Z."""
 
@@ -134,7 +137,7 @@ def reflector_maps(
     `settings` holds the values of SIZE, FINER and SPREAD; what `cache` holds is not baked again.
     """
     size, levels, spread = settings[SIZE.name], settings[FINER.name], settings[SPREAD.name]
-    key = key_of(KIND, 2, mesh.positions, mesh.triangles, mesh.normals, size, levels, spread)
+    key = key_of(KIND, 3, mesh.positions, mesh.triangles, mesh.normals, size, levels, spread)
     if cache and (kept := cache.get(KIND, key)):
         return _unpacked(kept.arrays)
     progress("splitting reflectors", 0.0)
@@ -167,10 +170,29 @@ def bake_part(mesh: Mesh, part: StarPart, size: int, levels: int) -> ReflectorMa
     reach = 1.0 if np.isinf(part.reach) else part.reach
     positions, turned = _drawn(corners.reshape(-1, 3), normals.reshape(-1, 3), faces, size, reach)
     covered = positions[..., 3] > 0.0
-    values = np.concatenate([positions[..., :3], turned[..., :3]], axis=3)
+    ways = _ways(faces, size, reach)
+    # What goes on is how near the reflector is and how it faces: a plane's nearness is linear, and every texel stays
+    # in its direction.
+    ahead = np.stack([np.abs(place[..., face // 2]) for place, face in zip(positions, faces, strict=True)])
+    nearness = 1.0 / np.where(covered, ahead, 1.0)
+    values = np.concatenate([nearness[..., None], turned[..., :3]], axis=3)
     values = np.stack([grown(face, inside) for face, inside in zip(values, covered, strict=True)])
-    filled = values[..., 3:] / np.maximum(np.linalg.norm(values[..., 3:], axis=3, keepdims=True), 1e-20)
-    return ReflectorMap(part, values[..., :3], filled, covered)
+    least = _LEAST_NEAR * nearness.min(initial=np.inf, where=covered)
+    made_up = ways / np.maximum(values[..., :1], least)
+    normals = values[..., 1:] / np.maximum(np.linalg.norm(values[..., 1:], axis=3, keepdims=True), 1e-20)
+    filled = np.where(covered[..., None], positions[..., :3], made_up)
+    return ReflectorMap(part, filled.astype(np.float32), normals.astype(np.float32), covered)
+
+
+def _ways(faces: Sequence[int], size: int, reach: float) -> np.ndarray:
+    """(F, N, N, 3) from the centre through the texels, 1 along their face's axis."""
+    at = reach * ((2.0 * np.arange(size) + 1.0 - size) / (size - 2 * BORDER))
+    ways = np.empty((len(faces), size, size, 3))
+    for way, face in zip(ways, faces, strict=True):
+        axis, side = face // 2, 1.0 - 2.0 * (face % 2)
+        way[..., axis] = side
+        way[..., (axis + 1) % 3], way[..., (axis + 2) % 3] = -side * at, at[:, None]
+    return ways
 
 
 def _drawn(points: np.ndarray, normals: np.ndarray, faces: Sequence[int], size: int, reach: float):
