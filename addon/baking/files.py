@@ -68,10 +68,12 @@ def write_exr_parts(
     import OpenImageIO as oiio  # Blender brings it; the rest of the bake does without
 
     specs = []
+    height, width = np.max([pixels.shape[:2] for pixels, _ in parts], axis=0).tolist()
     for number, (pixels, attributes) in enumerate(parts, 1):
         specs.append(
             oiio.ImageSpec(pixels.shape[1], pixels.shape[0], pixels.shape[2], oiio.HALF if half else oiio.FLOAT)
         )
+        specs[-1].full_width, specs[-1].full_height = width, height  # which an EXR's parts must share
         specs[-1].channelnames = tuple(channels)
         specs[-1].attribute("compression", "zip")
         if len(parts) > 1:

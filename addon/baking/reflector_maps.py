@@ -58,6 +58,7 @@ _LEAST_LIKE_A_BALL = 1e-4
 """Of an ellipsoid: the inverse square of its longest half axis, in mean radii."""
 
 _LEAST_PATCH = 8
+"""Texels along the face of a patch, however few triangles it has."""
 
 _LEAST_NEAR = 0.25
 """How near what is made up is at least, of how near the farthest texel is that the reflector covers."""
