@@ -46,7 +46,7 @@ REST = Parameter(
 WORTH = Parameter(
     "worth",
     "Worth",
-    50,
+    25,
     "Most vertices for each pixel that a part of a reflector is seen in; where more may show, it is left to the rest",
     unit="vertices",
     minimum=1,

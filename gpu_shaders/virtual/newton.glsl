@@ -12,7 +12,8 @@ uniform vec3 sample_origins[SAMPLES];     // of rays that take the path: where t
 uniform vec3 sample_directions[SAMPLES];  // and which way they go
 uniform vec3 sample_starts[SAMPLES * ORDER];  // where they are reflected, as directions of the parts' frames
 
-const float LONGEST_STEP = 0.7;   // of the tangent that a face reaches to
+// Of the tangent that a face reaches to. In a patch a search begins where a ray comes by, so that it has not far to go.
+const float LONGEST_STEP = 0.7, LONGEST_IN_PATCH = 0.25;
 const float DONE = 1e-6;
 const float BACK = 1e30;          // the error of a point that faces away from the eye
 const int HALVINGS = 12;
@@ -101,13 +102,13 @@ mat2 inverse_of(mat2 m) {
     return abs(d) > 1e-30 ? mat2(m[1][1], -m[0][1], -m[1][0], m[0][0]) / d : mat2(0.0);
 }
 
-vec2 shortened(vec2 step, float longest) {
-    float size = length(step);
-    return size > longest ? step * (longest / size) : step;
-}
-
 bool is_whole(int part) {
     return part_maps[part].z != 1;
+}
+
+vec2 shortened(vec2 step, int part) {
+    float longest = (is_whole(part) ? LONGEST_STEP : LONGEST_IN_PATCH) * part_reaches[part], size = length(step);
+    return size > longest ? step * (longest / size) : step;
 }
 
 Place moved(int part, Place from, vec2 step) {
@@ -179,7 +180,7 @@ vec4 search(vec3 start, vec3 vertex) {
             best = now;
             lean = b.side_from * b.side_next * b.lean;
             mat2 pp = seen_along(p, change_here(p, b, p.along_u, p.normal_u), change_here(p, b, p.along_v, p.normal_v));
-            step = shortened(-inverse_of(pp) * seen_along(p, b.off), LONGEST_STEP * part_reaches[0]);
+            step = shortened(-inverse_of(pp) * seen_along(p, b.off), 0);
         } else {
             step *= 0.5;
         }
@@ -217,8 +218,8 @@ vec4 search(vec3 start, vec3 vertex) {
             mat2 without = inverse_of(pp);
             step_2 = -inverse_of(qq - qp * without * pq) * (off_2 - qp * without * off_1);
             step_1 = -without * (off_1 + pq * step_2);
-            step_1 = shortened(step_1, LONGEST_STEP * part_reaches[0]);
-            step_2 = shortened(step_2, LONGEST_STEP * part_reaches[1]);
+            step_1 = shortened(step_1, 0);
+            step_2 = shortened(step_2, 1);
         } else {
             step_1 *= 0.5;
             step_2 *= 0.5;
