@@ -11,6 +11,7 @@ from catoptric.addon.baking.reflector_maps import BORDER, KIND, reflector_maps
 from catoptric.addon.baking.reflector_maps_tables import ResidentMaps
 from catoptric.addon.cache import Cache
 from catoptric.addon.gl import call
+from catoptric.addon.scene import Mesh
 from catoptric.addon.tracing import Near, cut_near
 from hypothesis import given, settings
 from hypothesis import strategies as st
@@ -374,3 +375,20 @@ def test_nothing_is_cut_where_nothing_reflects():
     pieces, source = cut_near(corners[:0], [], 0.1)
     assert pieces.shape == (0, 3, 3)
     assert source.shape == (0,)
+
+
+def test_a_patch_between_all_texels_has_one_all_the_same():
+    needles = np.array([[[0, 0, 0], [1, 0, 0], [1, 1e-4, 0]], [[0, 0.3, 0.5], [0, 1.3, 0.5], [1e-4, 1.3, 0.5]]])
+    triangles = np.arange(6, dtype=np.int32).reshape(2, 3)
+    normals = np.broadcast_to(np.float32([0, 0, 1]), (2, 3, 3)).copy()
+    points = needles.reshape(-1, 3).astype(np.float32)
+    flat = Mesh("needles", points, triangles, normals, normals[..., :2], np.zeros(2, np.int32))
+    maps = reflector_maps(flat, {"map_size": 32, "finer": 0, "spread": 20.0})
+    assert len(maps) == 2
+    for one in maps:
+        assert one.covered.any()
+        inward = (one.positions[one.covered] @ one.part.frame + one.part.centre)[0]
+        assert (
+            np.linalg.norm(inward - needles[one.part.triangles].reshape(-1, 3).mean(axis=0)) < 1 / 6
+        )  # the width of a texel
+        assert np.abs(one.normals[one.covered] @ one.part.frame - [0, 0, 1]).max() < 1e-6

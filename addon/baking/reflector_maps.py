@@ -170,8 +170,10 @@ def bake_part(mesh: Mesh, part: StarPart, size: int, levels: int) -> ReflectorMa
     faces = range(6) if np.isinf(part.reach) else (_PATCH_FACE,)
     reach = 1.0 if np.isinf(part.reach) else part.reach
     positions, turned = _drawn(corners.reshape(-1, 3), normals.reshape(-1, 3), faces, size, reach)
-    covered = positions[..., 3] > 0.0
     ways = _ways(faces, size, reach)
+    if not positions[..., 3].any():
+        _pin(positions, turned, ways, corners, normals)
+    covered = positions[..., 3] > 0.0
     # What goes on is how near the reflector is and how it faces: a plane's nearness is linear, and every texel stays
     # in its direction.
     ahead = np.stack([np.abs(place[..., face // 2]) for place, face in zip(positions, faces, strict=True)])
@@ -183,6 +185,15 @@ def bake_part(mesh: Mesh, part: StarPart, size: int, levels: int) -> ReflectorMa
     normals = values[..., 1:] / np.maximum(np.linalg.norm(values[..., 1:], axis=3, keepdims=True), 1e-20)
     filled = np.where(covered[..., None], positions[..., :3], made_up)
     return ReflectorMap(part, filled.astype(np.float32), normals.astype(np.float32), covered)
+
+
+def _pin(positions: np.ndarray, turned: np.ndarray, ways: np.ndarray, corners: np.ndarray, normals: np.ndarray) -> None:
+    """Have the texel that is nearest to the middle of a patch show it, where the patch passes between all texels."""
+    middle = corners.reshape(-1, 3).mean(axis=0)
+    cosines = ways[0] @ middle / np.linalg.norm(ways[0], axis=2)
+    row, column = np.unravel_index(cosines.argmax(), cosines.shape)
+    positions[0, row, column] = *(middle[2] * ways[0, row, column]), 1.0
+    turned[0, row, column, :3] = normals.reshape(-1, 3).mean(axis=0)
 
 
 def _ways(faces: Sequence[int], size: int, reach: float) -> np.ndarray:
@@ -214,7 +225,7 @@ def _drawn(points: np.ndarray, normals: np.ndarray, faces: Sequence[int], size: 
             shader["axis"], shader["side"] = face // 2, 1.0 - 2.0 * (face % 2)
             array.render(moderngl.TRIANGLES)
             pictures.append([np.frombuffer(part.read(), np.float32).reshape(size, size, 4) for part in textures])
-        return (np.stack(part) for part in zip(*pictures, strict=True))
+        return tuple(np.stack(part) for part in zip(*pictures, strict=True))
     finally:
         for part in (target, *textures, array, buffer):
             part.release()
