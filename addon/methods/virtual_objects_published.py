@@ -70,10 +70,11 @@ class VirtualObjectsPublished(DeferredMethod):
     curved objects*, 2005.
 
     The paper leaves open, and we chose: a search begins where the bisector of the directions from the map's centre to
-    eye and vertex meets the map, or in the middle of a patch; its first step has the length 1, and backwards on
-    concave parts, whose normals turn the other way; a step that changes the vector by more than its own length is
-    taken again, and the next is as long as would change it by half. Reflectors fall into parts by themselves,
-    and parts out of sight, or objects that no ray of a part can meet, are not searched.
+    eye and vertex meets the map, nearest to the eye if it faces away there, or in the middle of a patch; its first step
+    has the length 1, and backwards on concave parts, whose normals turn the other way; a step that changes the vector
+    by more than its own length, or passes a body's horizon, is taken again, and the next is as long as would change it
+    by half. Reflectors fall into parts by themselves, and parts out of sight, or objects that no ray of a part can
+    meet, are not searched.
 
     Outputs: as every method.
 

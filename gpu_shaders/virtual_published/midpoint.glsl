@@ -7,6 +7,7 @@ uniform float threshold;    // of the error function (1)
 uniform float first_step;   // below 0 for a concave part, whose normals turn the other way
 
 const float BEST_CHANGE = 0.5;  // of the field over half a step: where it is linear, no step comes nearer to its sink
+const float TOO_FAR = 2.0;
 const float MOST_GROWTH = 4.0;  // of the step's length
 const float LOST = 1e-2;        // an error from which on there is no reflection point here: 11 degrees
 
@@ -51,12 +52,15 @@ int axis_of(vec3 direction) {
     return is_whole(0) ? largest_axis(direction) : 2;
 }
 
-// Where the bisector of the directions from the part's centre meets its map; a patch is begun in its middle.
+// Where the bisector of the directions from the part's centre meets its map, or nearest to the eye if it faces away
+// there; a patch is begun in its middle.
 vec3 start_of(vec3 vertex) {
     if (!is_whole(0)) return vec3(0.0, 0.0, 1.0);
     vec3 centre = part_to_world[0][3].xyz;
-    vec3 middle = way_to(eye, centre).xyz + way_to(vec4(vertex, 1.0), centre).xyz;
-    return normalize(middle * mat3(part_to_world[0]) + vec3(1e-9));
+    vec3 to_eye = way_to(eye, centre).xyz, to_vertex = way_to(vec4(vertex, 1.0), centre).xyz;
+    vec3 middle = normalize((to_eye + to_vertex) * mat3(part_to_world[0]) + vec3(1e-9));
+    bool turned_away = sight_at(point_at(0, place_of(0, middle)), vertex).turned_away;
+    return turned_away ? normalize(to_eye * mat3(part_to_world[0])) : middle;
 }
 
 Sight follow(vec3 vertex) {
@@ -71,9 +75,11 @@ Sight follow(vec3 vertex) {
         float longest = LONGEST_STEP * part_reaches[0] / length(b);
         h = clamp(h, -longest, longest);
         vec3 half_way = at + 0.5 * h * b;
-        vec3 m = projected(sight_at(point_at(0, place_of(0, half_way)), vertex).direction, half_way, axis);
-        float change = length(m - b) / length(b);
-        if (change < 1.0) at += h * m;  // else the step went past the sink: it is taken again, shorter
+        Sight there = sight_at(point_at(0, place_of(0, half_way)), vertex);
+        vec3 m = projected(there.direction, half_way, axis);
+        float change = is_whole(0) && there.turned_away ? TOO_FAR : length(m - b) / length(b);
+        // A step past the sink, or past the horizon of a whole body, is taken again, shorter.
+        if (change < 1.0) at += h * m;
         h *= clamp(BEST_CHANGE / change, 1.0 / MOST_GROWTH, MOST_GROWTH);
     }
     return sight_at(point_at(0, place_of(0, at)), vertex);
