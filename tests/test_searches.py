@@ -51,6 +51,17 @@ def test_what_the_published_search_lacks_is_halved_step_by_step(curves):
     assert published[0] > 2.0
 
 
+def test_patches_are_followed_as_well():
+    """A ball with a dent is no convex body: patches begin where the picture's rays do."""
+    dented = trimesh.creation.icosphere(subdivisions=4)
+    dented.vertices *= 1.0 - 0.15 * np.exp(-8.0 * ((dented.vertices - (0, 0, 1)) ** 2).sum(axis=1))[:, None]
+    before = scene()
+    meshes = (mesh_of(dented, smooth=True), *before.meshes[1:])
+    curves = convergence(replace(before, meshes=meshes), PICTURE, MAPS)
+    assert curves["ours"].within[3] > 0.95
+    assert curves["published"].within[8] > 0.8
+
+
 def test_a_camera_without_perspective_sees_it_as_well():
     assert convergence(scene(ortho=4.0), PICTURE, MAPS)["ours"].within[-1] == 1.0
 

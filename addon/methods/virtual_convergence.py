@@ -1,6 +1,6 @@
 """How fast the searches of reflection points come near to them: ours, and the published one."""
 
-from collections.abc import Mapping
+from collections.abc import Callable, Mapping
 from dataclasses import dataclass
 
 import moderngl
@@ -14,6 +14,7 @@ from ..gl import feedback, on_gl_thread, require
 from ..parameters import Value
 from ..scene import Scene
 from ..tracing import Curvature
+from .virtual_bundles import SAMPLES
 from .virtual_pictures import eye_of
 
 STEPS = 12
@@ -97,7 +98,10 @@ def _followed(scene: Scene, size: tuple[int, int], tables: ResidentMaps, points:
     clip, eye = world_to_clip(scene.camera, *size), np.array(eye_of(scene.camera))
     errors: dict[str, list[np.ndarray]] = {"published": [], "ours": []}
     for number in range(1, len(tables.maps) + 1):
-        ends = reflection_points(tables, number, eye, points, _ENDED, published=False)
+        rays = _rays(tables, number, eye, lambda at: _pixels(clip, size, at)[1])
+        if rays is None:
+            continue
+        ends = reflection_points(tables, number, eye, points, _ENDED, False, rays)
         right = (ends[:, 3] >= 0.0) & (ends[:, 3] < _RIGHT) & _is_on(tables, number, ends[:, :3])
         places, inside = _pixels(clip, size, ends[:, :3])
         right &= inside
@@ -105,7 +109,7 @@ def _followed(scene: Scene, size: tuple[int, int], tables: ResidentMaps, points:
             continue
         for name, each in errors.items():
             for steps in range(1, STEPS + 1):
-                now = reflection_points(tables, number, eye, points[right], steps, published=name == "published")
+                now = reflection_points(tables, number, eye, points[right], steps, name == "published", rays)
                 each.append(np.linalg.norm(_pixels(clip, size, now[:, :3])[0] - places[right], axis=1))
     if not errors["ours"]:
         return None
@@ -135,14 +139,43 @@ def _is_on(tables: ResidentMaps, number: int, points: np.ndarray) -> np.ndarray:
     return np.maximum(np.abs(x), np.abs(y)) <= one.reach * z
 
 
+def _rays(tables: ResidentMaps, number: int, eye: np.ndarray, is_shown: Callable) -> dict[str, np.ndarray] | None:
+    """The rays by which our search in a patch finds its start: some that a picture has, or None if it has none.
+
+    No picture is drawn for them: they are mirrored in the map's texels.
+    """
+    one, matrix = tables.maps[number - 1], tables.to_world(number)
+    points = one.positions[one.covered] @ matrix[:3, :3].T + matrix[:3, 3]
+    normals = one.normals[one.covered] @ np.linalg.inv(matrix[:3, :3])
+    normals /= np.linalg.norm(normals, axis=1, keepdims=True)
+    ways = eye[:3] - eye[3] * points
+    ways /= np.linalg.norm(ways, axis=1, keepdims=True)
+    cosines = (ways * normals).sum(axis=1)
+    seen = np.flatnonzero((cosines > 0.0) & is_shown(points))
+    if not len(seen):
+        return None
+    chosen = seen[((np.arange(SAMPLES) + 0.5) / SAMPLES * len(seen)).astype(int)]
+    return {
+        "sample_origins": points[chosen],
+        "sample_directions": (2.0 * cosines[:, None] * normals - ways)[chosen],
+        "sample_starts": tables.directions_of(number, points[chosen]),
+    }
+
+
 def reflection_points(
-    maps: ResidentMaps, number: int, eye: np.ndarray, points: np.ndarray, steps: int, published: bool
+    maps: ResidentMaps,
+    number: int,
+    eye: np.ndarray,
+    points: np.ndarray,
+    steps: int,
+    published: bool,
+    rays: Mapping[str, np.ndarray] | None = None,
 ) -> np.ndarray:
     """(N, 4) float32: where the search for each of the world's `points` (N, 3) is after so many steps; GL thread.
 
     xyz the point of the reflector, w the angle in radians between normal and bisector there, below 0 where the part
     hides the vertex or faces away. `eye` (4,), w 0 for one that is infinitely far away; `number` that of the part,
-    from 1.
+    from 1; `rays` are uniforms by which ours starts in patches.
     """
     stages = {"vertex_shader": "virtual_published/points.vert"}
     shader = feedback(stages, ("reached",), {"ORDER": 1, "PUBLISHED": int(published)})
@@ -153,6 +186,9 @@ def reflection_points(
     for name, value in given.items():
         if name in shader:
             shader[name] = value
+    for name, value in (rays or {}).items():
+        if name in shader:
+            shader[name].write(np.ascontiguousarray(value, np.float32).tobytes())
     context = require()
     vertices, reached = context.buffer(np.asarray(points, np.float32)), context.buffer(reserve=16 * len(points))
     array = context.vertex_array(shader, [(vertices, "3f", "position")])

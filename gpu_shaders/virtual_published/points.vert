@@ -1,4 +1,4 @@
-// Where a search ends: as published with PUBLISHED 1, else ours. Both begin a patch in its middle.
+// Where a search ends: as published with PUBLISHED 1, else ours.
 
 #include "virtual_published/midpoint.glsl"
 
@@ -10,8 +10,7 @@ void main() {
 #if PUBLISHED
     Sight s = follow(position);
 #else
-    vec3 start = is_whole(0) ? first_guess(0, eye, position) : start_of(position);
-    Sight s = sight_at(point_at(0, place_of(0, search(start, position).xyz)), position);
+    Sight s = sight_at(point_at(0, place_of(0, search(position).xyz)), position);
 #endif
     reached = vec4(s.position, (s.hidden || s.turned_away ? -2.0 : 2.0) * sqrt(s.error));
 }
