@@ -124,7 +124,8 @@ class VirtualObjects(DeferredMethod):
     def reflect(self, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
         """Find what the mirrored rays meet, order by order, and show it."""
         before = None
-        anew = self._views.get(seen) is not view
+        known = self._views.get(seen)
+        anew = known is None or not known.shows_the_same(view)
         self._views[seen] = view
         for bounce in self._bounces_for(seen, view):
             bounce.draw(view, seen, sample["offset"], anew, before)
