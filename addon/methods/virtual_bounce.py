@@ -64,7 +64,8 @@ class Bounce:
         for unit, texture in enumerate(self._textures):
             texture.use(_RAYS_UNIT + unit)
         self._images.draw(self._met_target, offset, _RAYS_UNIT)
-        self._spread_out()
+        if self._images.in_patches:
+            self._spread_out()
 
     def _spread_out(self) -> None:
         """Ask of each pixel whether it meets what those around it do."""

@@ -202,9 +202,10 @@ class Images:
         target.scissor = None
 
     @property
-    def rectangles(self) -> int:
-        """How many images there are."""
-        return sum(count for _, _, count in self._drawn) // 6
+    def in_patches(self) -> bool:
+        """Whether any path was searched that is not reflected at whole bodies alone, whose images never come apart."""
+        maps = self._maps.maps
+        return any(not maps[part - 1].is_whole for bundle in self._searched for part in bundle.path)
 
     def release(self) -> None:
         """Give the memory back."""

@@ -77,8 +77,8 @@ class VirtualObjects(DeferredMethod):
 
     A reflector falls into star-shaped parts by itself: a convex body is one, everything else is cut into patches. Maps
     of each hold positions and normals. A vertex' reflection point is where the path from the eye to it is stationary;
-    Newton's method finds it in the maps, from where a sphere would reflect it, or from the middle of a patch. A
-    triangle is then drawn as a rectangle that holds its corners' reflection points, and in each pixel the pixel's own
+    Newton's method finds it in the maps, from where an ellipsoid would reflect it, or the ray of a pixel that comes near
+    the vertex. A triangle is then drawn as a rectangle that holds its corners' reflection points, and in each pixel the pixel's own
     mirrored ray decides which of the triangles there it meets first: so curved edges, textures and what hides what
     are exact. What a reflector mirrors of another, or of itself, is found the same way, by paths of two points. A part
     of a reflector that is small on the screen for how much it shows is not worth a search: that, and reflections of
@@ -91,7 +91,8 @@ class VirtualObjects(DeferredMethod):
     Outputs: as every method.
 
     Limitations: costs a search for every vertex and part that may show it; near caustics of hollow mirrors thin strips
-    may be missed; the inside of a convex body that faces outwards mirrors nothing; roughness counts as 0.
+    may be missed; the inside of a convex body that faces outwards mirrors nothing; roughness counts as 0. A view is
+    searched once, with its first sample, which the time of a frame does not count.
     """
 
     name = "virtual-objects"
