@@ -29,6 +29,17 @@ def sphere(subdivisions: int = 5) -> Mesh:
                 mesh.uvs, mesh.slots)  # fmt: skip
 
 
+def sheet(height=lambda x, y: 0.2 * (x**2 + y**2), count: int = 24, hole: float = 0.0) -> Mesh:
+    """An open sheet over a square of 2 m, smooth, that faces up; with a round hole."""
+    x, y = np.meshgrid(np.linspace(-1, 1, count + 1), np.linspace(-1, 1, count + 1))
+    points = np.stack([x, y, height(x, y)], axis=-1).reshape(-1, 3)
+    first = (np.arange(count)[None] + (count + 1) * np.arange(count)[:, None]).reshape(-1)
+    square = first[:, None] + [0, 1, count + 2, 0, count + 2, count + 1]
+    square = square.reshape(-1, 3)
+    square = square[np.linalg.norm(points[square].mean(axis=1)[:, :2], axis=1) >= hole]
+    return mesh_of(trimesh.Trimesh(points, square, process=False), smooth=True)
+
+
 def maps_of(mesh: Mesh, size: int = 512, finer: int = 1, spread: float = 20.0) -> list[ReflectorMap]:
     """The maps of a mesh, baked anew."""
     return reflector_maps(mesh, {"map_size": size, "finer": finer, "spread": spread})

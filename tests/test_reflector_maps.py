@@ -17,7 +17,7 @@ from hypothesis import given, settings
 from hypothesis import strategies as st
 from hypothesis.extra.numpy import arrays
 
-from .search_stage import maps_of, sphere
+from .search_stage import maps_of, sheet, sphere
 from .stage import looking, mesh_of, placed, scene_of
 
 FACES = np.array([[1, 0, 0], [-1, 0, 0], [0, 1, 0], [0, -1, 0], [0, 0, 1], [0, 0, -1]], float)
@@ -36,17 +36,6 @@ def directions(face: int, size: int, reach: float = 1.0) -> np.ndarray:
 
 def unit(vectors):
     return vectors / np.linalg.norm(vectors, axis=-1, keepdims=True)
-
-
-def sheet(height=lambda x, y: 0.2 * (x**2 + y**2), count: int = 24, hole: float = 0.0):
-    """An open sheet over a square of 2 m, smooth, that faces up; with a round hole."""
-    x, y = np.meshgrid(np.linspace(-1, 1, count + 1), np.linspace(-1, 1, count + 1))
-    points = np.stack([x, y, height(x, y)], axis=-1).reshape(-1, 3)
-    first = (np.arange(count)[None] + (count + 1) * np.arange(count)[:, None]).reshape(-1)
-    square = first[:, None] + [0, 1, count + 2, 0, count + 2, count + 1]
-    square = square.reshape(-1, 3)
-    square = square[np.linalg.norm(points[square].mean(axis=1)[:, :2], axis=1) >= hole]
-    return mesh_of(trimesh.Trimesh(points, square, process=False), smooth=True)
 
 
 # ------------------------------------------------------------------ whole bodies
