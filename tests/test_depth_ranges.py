@@ -15,6 +15,8 @@ def pyramid(depths: np.ndarray, bounds) -> dict[int, np.ndarray]:
     """Each level, (H, W, 2), drawn from (H, W) depths."""
 
     def drawn():
+        while require().error != "GL_NO_ERROR":
+            pass  # what was left behind before is not asked for here
         height, width = depths.shape
         canvas, ranges = Canvas(width, height), DepthRanges()
         texture = require().texture((width, height), 1, np.ascontiguousarray(depths), dtype="f4")
