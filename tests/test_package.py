@@ -73,7 +73,7 @@ def contents(source) -> set[str]:
         for path in source.glob(f"{folder}/**/*")
         if path.is_file() and not path.relative_to(source).as_posix().startswith(LEFT_OUT)
     }
-    assert {Path(name).suffix for name in found} == {".py", ".glsl", ".vert", ".frag", ".js", ".css", ".j2"}
+    assert {Path(name).suffix for name in found} == {".py", ".glsl", ".vert", ".geom", ".frag", ".js", ".css", ".j2"}
     for name in JUNK:
         (source / name).parent.mkdir(exist_ok=True)
         (source / name).write_text("junk")
