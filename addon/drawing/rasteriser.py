@@ -21,7 +21,7 @@ class Rasteriser:
     def __init__(self) -> None:
         """Begin without meshes; `take` brings them."""
         self._buffers: dict[Mesh, tuple[moderngl.Buffer, moderngl.Buffer]] = {}
-        self._arrays: dict[tuple[Mesh, moderngl.Program, bool], moderngl.VertexArray] = {}
+        self._arrays: dict[tuple[Mesh, int], moderngl.VertexArray] = {}
 
     def take(self, scene: Scene) -> None:
         """Draw this scene from now on; meshes that stay are not uploaded again."""
@@ -64,16 +64,14 @@ class Rasteriser:
             shader["cuts"].write((planes @ instance.matrix).astype(np.float32).tobytes())
         shader["instance"] = index + 1
         shader["first_triangle"] = int(self._first_triangle[instance.mesh])
-        self.array(shader, self._scene.meshes[instance.mesh]).render(moderngl.TRIANGLES)
+        self._array(self._scene.meshes[instance.mesh], len(planes)).render(moderngl.TRIANGLES)
 
-    def array(self, shader: moderngl.Program, mesh: Mesh, by_triangle: bool = True) -> moderngl.VertexArray:
-        """The vertices of a mesh, `position` of `shader`: three for each triangle, or else each of them once."""
-        key = mesh, shader, by_triangle
-        if key not in self._arrays:
+    def _array(self, mesh: Mesh, cuts: int) -> moderngl.VertexArray:
+        if (mesh, cuts) not in self._arrays:
+            shader = program("visibility/visibility.vert", "visibility/visibility.frag", {"CUTS": cuts})
             vertices, indices = self._buffers[mesh]
-            content = [(vertices, "3f", "position")] if "position" in shader else []
-            self._arrays[key] = require().vertex_array(shader, content, indices if by_triangle else None)
-        return self._arrays[key]
+            self._arrays[mesh, cuts] = require().vertex_array(shader, [(vertices, "3f", "position")], indices)
+        return self._arrays[mesh, cuts]
 
     def release(self) -> None:
         """Give the GPU memory back."""
