@@ -1,6 +1,6 @@
 """Reflector cube maps (Estalella et al., 4.1): where each part of a reflector lies, and which way it faces."""
 
-from collections.abc import Sequence
+from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
 
@@ -10,8 +10,8 @@ import numpy as np
 from ..cache import Cache, key_of
 from ..gl import on_gl_thread, program, require
 from ..parameters import Parameter
-from ..progress import Progress, silent
-from ..scene import Mesh
+from ..progress import Progress, part_of, silent
+from ..scene import Mesh, Scene
 from ..tracing import Curvature, StarPart, star_parts
 from .finer import finer
 from .grow import grown
@@ -158,6 +158,18 @@ def _size(part: StarPart, size: int) -> int:
         return size
     enough = 2 * BORDER + int(np.ceil(2.0 * np.sqrt(len(part.triangles) + len(part.margin))))
     return max(_LEAST_PATCH, min(size // 4, enough))
+
+
+def maps_of(
+    scene: Scene, reflectors: Iterable[int], settings: dict, cache: Cache | None = None, progress: Progress = silent
+) -> dict[int, list[ReflectorMap]]:
+    """The maps of each of some instances; those of the same mesh share theirs."""
+    meshes = {index: scene.instances[index].mesh for index in reflectors}
+    distinct, baked = dict.fromkeys(meshes.values()), {}
+    for done, mesh in enumerate(distinct):
+        share = part_of(progress, done / len(distinct), (done + 1) / len(distinct))
+        baked[mesh] = reflector_maps(scene.meshes[mesh], settings, cache, share)
+    return {index: baked[mesh] for index, mesh in meshes.items()}
 
 
 @on_gl_thread

@@ -5,12 +5,12 @@ from weakref import WeakKeyDictionary
 import moderngl
 
 from ..baking.environment import EnvironmentCubes
-from ..baking.reflector_maps import FINER, SIZE, SPREAD, reflector_maps
+from ..baking.reflector_maps import FINER, SIZE, SPREAD, maps_of
 from ..baking.reflector_maps_tables import ResidentMaps
 from ..cache import Cache
 from ..drawing import Visibility
 from ..parameters import Parameter
-from ..progress import Progress, part_of
+from ..progress import Progress
 from .contract import View
 from .deferred import DeferredMethod
 from .environment_map import CUBE_SIZE
@@ -107,20 +107,13 @@ class VirtualObjects(DeferredMethod):
 
     def bake(self, progress: Progress) -> None:
         """Bake the maps of every reflector, and cut what they show."""
-        self._maps = ResidentMaps(self.scene, self._bake_maps(progress))
+        # Of every reflector of the scene: another method's may show in ours.
+        maps = maps_of(self.scene, self.scene.reflectors, self.settings, Cache(), progress)
+        self._maps = ResidentMaps(self.scene, maps)
         self._virtual = VirtualScene(self.scene, self._maps, self.settings["share"], self.settings["least"])
         self._cubes = EnvironmentCubes(self.resident, self.settings["size"]) if not self.defines["REST"] else None
         self._bounces: WeakKeyDictionary[Visibility, list[Bounce]] = WeakKeyDictionary()
         self._views: WeakKeyDictionary[Visibility, View] = WeakKeyDictionary()
-
-    def _bake_maps(self, progress: Progress) -> dict:
-        """The maps of every reflector of the scene: another method's may show in ours. Instances share their mesh's."""
-        meshes = {index: self.scene.instances[index].mesh for index in self.scene.reflectors}
-        cache, baked = Cache(), {}
-        for done, mesh in enumerate(dict.fromkeys(meshes.values())):
-            share = part_of(progress, done / len(meshes), (done + 1) / len(meshes))
-            baked[mesh] = reflector_maps(self.scene.meshes[mesh], self.settings, cache, share)
-        return {index: baked[mesh] for index, mesh in meshes.items()}
 
     def reflect(self, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
         """Find what the mirrored rays meet, order by order, and show it."""

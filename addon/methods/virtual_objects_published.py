@@ -5,12 +5,12 @@ from weakref import WeakKeyDictionary
 import moderngl
 
 from ..baking.environment import EnvironmentCubes
-from ..baking.reflector_maps import FINER, SIZE, SPREAD, reflector_maps
+from ..baking.reflector_maps import FINER, SIZE, SPREAD, maps_of
 from ..baking.reflector_maps_tables import ResidentMaps
 from ..cache import Cache
 from ..drawing import Visibility
 from ..parameters import Parameter
-from ..progress import Progress, part_of
+from ..progress import Progress
 from .contract import View
 from .deferred import DeferredMethod
 from .environment_map import CUBE_SIZE
@@ -92,20 +92,13 @@ class VirtualObjectsPublished(DeferredMethod):
 
     def bake(self, progress: Progress) -> None:
         """Bake the maps of the reflectors, lay grids around what they show, and capture the rest."""
-        self._maps = ResidentMaps(self.scene, self._bake_maps(progress))
+        maps = maps_of(self.scene, self.reflectors, self.settings, Cache(), progress)
+        self._maps = ResidentMaps(self.scene, maps)
         instances = enumerate(self.scene.instances)
         shown = [index for index, one in instances if one.in_reflections and not one.reflector]
         self._meshes = VirtualMeshes(self.scene, shown, self.settings["grid"] / 100.0, self.settings["cut"])
         self._cubes = EnvironmentCubes(self.resident, self.settings["size"], frozenset(shown), self.reflectors)
         self._pictures: WeakKeyDictionary[Visibility, VirtualPicture] = WeakKeyDictionary()
-
-    def _bake_maps(self, progress: Progress) -> dict:
-        meshes = {index: self.scene.instances[index].mesh for index in self.reflectors}
-        cache, baked = Cache(), {}
-        for done, mesh in enumerate(dict.fromkeys(meshes.values())):
-            share = part_of(progress, done / len(meshes), (done + 1) / len(meshes))
-            baked[mesh] = reflector_maps(self.scene.meshes[mesh], self.settings, cache, share)
-        return {index: baked[mesh] for index, mesh in meshes.items()}
 
     def reflect(self, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
         """Search and draw the virtual meshes, anew for each sample as for each frame, and show them."""
