@@ -51,11 +51,6 @@ class ResidentMaps:
             "normal_to_world": np.ascontiguousarray(np.linalg.inv(matrices[:, :3, :3]), np.float32),
         }
 
-    @property
-    def size_bytes(self) -> int:
-        """Memory on the GPU."""
-        return self._texels.size_bytes + self._numbers.size_bytes
-
     def to_world(self, part: int) -> np.ndarray:
         """(4, 4) float64 from the frame of a part to the world."""
         return self._scene.instances[self.owner[part - 1]].matrix @ self.maps[part - 1].to_mesh

@@ -1,6 +1,7 @@
 """Which paths of light a picture's mirrored rays belong to, and where those of each go."""
 
 from dataclasses import dataclass
+from typing import NamedTuple
 
 import numpy as np
 
@@ -39,6 +40,15 @@ class Bundle:
         cosine = (ways @ self.axis) / np.maximum(away, 1e-30)
         widened = self.spread + np.arcsin(np.clip(near / np.maximum(away, 1e-30), 0.0, 1.0))
         return (away <= near) | (np.arccos(np.clip(cosine, -1.0, 1.0)) <= widened)
+
+
+class Run(NamedTuple):
+    """A path, and what stands in a row that it may show, from `first` to before `end`: results begin at `result`."""
+
+    bundle: Bundle
+    first: int
+    end: int
+    result: int
 
 
 def bundles_of(origins: np.ndarray, directions: np.ndarray, before: np.ndarray | None = None) -> list[Bundle]:

@@ -9,13 +9,13 @@ import numpy as np
 from ..baking.reflector_maps import reflector_maps
 from ..baking.reflector_maps_tables import ResidentMaps
 from ..cache import Cache
-from ..drawing import FREE_UNIT, world_box, world_to_clip
+from ..drawing import world_box, world_to_clip
 from ..gl import feedback, on_gl_thread, require
 from ..parameters import Value
 from ..scene import Scene
 from ..tracing import Curvature
 from .virtual_bundles import SAMPLES
-from .virtual_pictures import eye_of
+from .virtual_rays import MAPS_UNIT, eye_of
 
 STEPS = 12
 """That convergence is followed for."""
@@ -179,7 +179,7 @@ def reflection_points(
     """
     stages = {"vertex_shader": "virtual_published/points.vert"}
     shader = feedback(stages, ("reached",), {"ORDER": 1, "PUBLISHED": int(published)})
-    maps.bind(shader, FREE_UNIT + 1)
+    maps.bind(shader, MAPS_UNIT)
     maps.choose(shader, (number,))
     concave = maps.maps[number - 1].part.curvature is Curvature.CONCAVE
     given = {"eye": tuple(eye), "steps": steps, "threshold": 0.0, "first_step": -1.0 if concave else 1.0}

@@ -1,40 +1,27 @@
 """Where the triangles of a scene are seen in its reflectors."""
 
 from collections.abc import Sequence
-from typing import NamedTuple
 
 import moderngl
 import numpy as np
 
-from ..baking.reflector_maps_tables import UNITS, ResidentMaps
-from ..drawing import FREE_UNIT, Resident, world_to_clip
+from ..baking.reflector_maps_tables import ResidentMaps
+from ..drawing import Resident, world_to_clip
 from ..gl import capture, feedback, program, require, screen
+from ..gl.textures import WIDTH as ROW
 from .contract import View
-from .virtual_bundles import Bundle
+from .virtual_bundles import Bundle, Run
+from .virtual_rays import AFTER_RAYS, MAPS_UNIT, MirroredRays, eye_of
 from .virtual_scene import VirtualScene, runs_of
-
-_ROW = 4096
-"""Results a row, as gpu_shaders/common/data.glsl has it."""
 
 _EMIT = {"vertex_shader": "virtual/emit.vert", "geometry_shader": "virtual/emit.geom"}
 _BYTES = 16
 _FIRST_CAPACITY = 1 << 18
-_MAPS_UNIT = FREE_UNIT + 1
-_RESULTS_UNIT = _MAPS_UNIT + UNITS
+_RESULTS_UNIT = AFTER_RAYS
 _SOURCES_UNIT = _RESULTS_UNIT + 3
-
 
 _BEHIND_ALL = 0.99999
 """Before the far end, -1 to 1."""
-
-
-class _Search(NamedTuple):
-    """A path, and the run of chunks that it may show: its points' results begin at `result`."""
-
-    bundle: Bundle
-    first: int
-    end: int
-    result: int
 
 
 class Images:
@@ -56,7 +43,7 @@ class Images:
         self._points, self._triangles = scene.by_point(self._search), scene.by_triangle(self._emit)
         self._counters: list[moderngl.Query] = []
         self._drawn: list[tuple[Bundle, int, int]] = []
-        self._searched: list[Bundle] = []
+        self._paths: list[tuple[Bundle, list[Run]]] = []
         self._target = self._corners = self._rectangles = None
         self._results: list[moderngl.Texture] = []
         self._reserve(_FIRST_CAPACITY)
@@ -72,67 +59,63 @@ class Images:
 
     def find(self, view: View, size: tuple[int, int], bundles: Sequence[Bundle]) -> None:
         """Search the images in a view of `size` pixels that may be seen by these paths."""
-        searches = self._plan(bundles)
+        self._paths = self._plan(bundles)
         self._set_up(view, size)
-        self._search_points(searches)
-        while (made := self._emit_rectangles(self._searched, searches)) > self._capacity:
+        self._search_points()
+        while (made := self._emit_rectangles()) > self._capacity:
             self._reserve(2 * made)
 
-    def _plan(self, bundles: Sequence[Bundle]) -> list[_Search]:
+    def _plan(self, bundles: Sequence[Bundle]) -> list[tuple[Bundle, list[Run]]]:
         """What to search, all culled that no ray of a path can meet, and paths that are not worth it."""
-        searches, result = [], 0
-        self._searched = []
+        paths, result = [], 0
         for bundle in bundles:
-            runs = runs_of(bundle.reaches(self._scene.centres, self._scene.radii))
-            points = [int(self._scene.points[end] - self._scene.points[first]) for first, end in runs]
-            if sum(points) > self._worth * bundle.count:
-                continue
-            self._searched.append(bundle)
-            for (first, end), count in zip(runs, points, strict=True):
-                searches.append(_Search(bundle, first, end, result))
+            runs, count = [], 0
+            for first, end in runs_of(bundle.reaches(self._scene.centres, self._scene.radii)):
+                runs.append(Run(bundle, first, end, result + count))
+                count += self._count(runs[-1])
+            if count <= self._worth * bundle.count:
+                paths.append((bundle, runs))
                 result += count
-        height = -(-max(1, result) // _ROW)
+        self._make_room(-(-max(1, result) // ROW))
+        return paths
+
+    def _count(self, run: Run) -> int:
+        return int(self._scene.points[run.end] - self._scene.points[run.first])
+
+    def _make_room(self, height: int) -> None:
         if self._target is None or self._target.height < height:
-            if self._target:
-                self._target.release()
-                for texture in self._results:
-                    texture.release()
-            self._results = [require().texture((_ROW, height), 4, dtype="f4") for _ in range(3)]
+            for part in (self._target, *self._results):
+                if part:
+                    part.release()
+            self._results = [require().texture((ROW, height), 4, dtype="f4") for _ in range(3)]
             self._target = require().framebuffer(self._results)
-        return searches
 
     def _set_up(self, view: View, size: tuple[int, int]) -> None:
-        camera = view.camera
-        ortho = camera.ortho_scale is not None
         uniforms = {
-            "eye": (*camera.matrix[:3, 2], 0.0) if ortho else (*camera.position, 1.0),
+            "eye": eye_of(view.camera),
             "steps": self._steps,
             "screen": size,
-            "world_to_clip": tuple(world_to_clip(camera, *size).T.ravel()),
-            "margin": 1.0,
+            "world_to_clip": tuple(world_to_clip(view.camera, *size).T.ravel()),
             "results_height": self._target.height,
             "results": _RESULTS_UNIT,
             "results_shown": _RESULTS_UNIT + 1,
             "results_again": _RESULTS_UNIT + 2,
         }
         for shader in (self._search, self._emit):
-            self._maps.bind(shader, _MAPS_UNIT)
+            self._maps.bind(shader, MAPS_UNIT)
             for name, value in uniforms.items():
                 if name in shader:
                     shader[name] = value
 
-    def _search_points(self, searches: Sequence[_Search]) -> None:
-        context = require()
+    def _search_points(self) -> None:
         self._target.use()
-        context.enable_only(moderngl.NOTHING)
-        chosen = None
-        for bundle, first, end, result in searches:
-            if bundle is not chosen:
-                self._choose(self._search, bundle)
-                chosen = bundle
-            begin, count = self._scene.points[first], self._scene.points[end] - self._scene.points[first]
-            self._search["result_shift"] = int(result - begin)
-            self._points.render(moderngl.POINTS, vertices=int(count), first=int(begin))
+        require().enable_only(moderngl.NOTHING)
+        for bundle, runs in self._paths:
+            self._choose(self._search, bundle)
+            for run in runs:
+                begin = int(self._scene.points[run.first])
+                self._search["result_shift"] = run.result - begin
+                self._points.render(moderngl.POINTS, vertices=self._count(run), first=begin)
 
     def _choose(self, shader: moderngl.Program, bundle: Bundle) -> None:
         """Have a shader search the path of a bundle."""
@@ -150,48 +133,47 @@ class Images:
             if name in shader:
                 shader[name].write(np.ascontiguousarray(value, np.float32).tobytes())
 
-    def _emit_rectangles(self, bundles: Sequence[Bundle], searches: Sequence[_Search]) -> int:
+    def _emit_rectangles(self) -> int:
         """Write what was found as rectangles; how many corners they would have, given room."""
-        for unit, texture in enumerate(self._results):
-            texture.use(_RESULTS_UNIT + unit)
+        for unit, texture in enumerate(self._results, _RESULTS_UNIT):
+            texture.use(unit)
         self._scene.bind(self._emit, _SOURCES_UNIT)
-        while len(self._counters) < len(bundles):
+        while len(self._counters) < len(self._paths):
             self._counters.append(require().query(primitives=True))
-        by_bundle: dict[int, list[_Search]] = {}
-        for search in searches:
-            by_bundle.setdefault(id(search.bundle), []).append(search)
+        counters = self._counters[: len(self._paths)]
         with capture(self._emit, self._corners):
-            for bundle, counter in zip(bundles, self._counters, strict=False):
+            for (bundle, runs), counter in zip(self._paths, counters, strict=True):
                 with counter:
-                    self._emit_path(bundle, by_bundle.get(id(bundle), ()))
-        counts = [3 * counter.primitives for counter in self._counters[: len(bundles)]]
-        first = np.concatenate([[0], np.cumsum(counts)]).astype(int)
-        self._drawn = [(bundle, int(at), count) for bundle, at, count in zip(bundles, first, counts, strict=False)]
-        return int(first[-1])
+                    self._emit_path(bundle, runs)
+        self._drawn, first = [], 0
+        for (bundle, _), counter in zip(self._paths, counters, strict=True):
+            self._drawn.append((bundle, first, 3 * counter.primitives))
+            first += 3 * counter.primitives
+        return first
 
-    def _emit_path(self, bundle: Bundle, searches: Sequence[_Search]) -> None:
+    def _emit_path(self, bundle: Bundle, runs: Sequence[Run]) -> None:
         self._choose(self._emit, bundle)
         self._emit["bounds"] = bundle.bounds
         self._emit["left_out"] = self._maps.left_out(bundle.path[-1])
-        for _, first, end, result in searches:
-            begin, count = self._scene.triangles[first], self._scene.triangles[end] - self._scene.triangles[first]
-            self._emit["result_shift"] = int(result - self._scene.points[first])
-            self._emit["first_triangle"] = int(begin)
-            self._triangles.render(moderngl.TRIANGLES, vertices=3 * int(count), first=3 * int(begin))
+        for run in runs:
+            begin, end = int(self._scene.triangles[run.first]), int(self._scene.triangles[run.end])
+            self._emit["result_shift"] = run.result - int(self._scene.points[run.first])
+            self._emit["first_triangle"] = begin
+            self._triangles.render(moderngl.TRIANGLES, vertices=3 * (end - begin), first=3 * begin)
 
-    def draw(self, target: moderngl.Framebuffer, offset: tuple[float, float], rays_unit: int) -> None:
-        """Draw (instance + 1, triangle) of what the mirrored rays, on two units, meet first into `target`.
+    def draw(self, target: moderngl.Framebuffer, offset: tuple[float, float], rays: MirroredRays) -> None:
+        """Draw (instance + 1, triangle) of what the mirrored rays meet first into `target`.
 
         The first is all ones where that is the world, and 0 where a path was not searched. `offset` of the sample
         within the pixel.
         """
         shader = self._draw
         self._resident.bind(shader)
-        shader["ray_origins"], shader["ray_directions"] = rays_unit, rays_unit + 1
+        rays.bind(shader)
+        rays.bind(self._world)
         shader["shift"] = -2.0 * offset[0] / target.width, -2.0 * offset[1] / target.height
         target.use()
         require().enable_only(moderngl.DEPTH_TEST)
-        self._world["ray_origins"], self._world["ray_directions"] = rays_unit, rays_unit + 1
         self._world["depth"] = _BEHIND_ALL
         for bundle, first, count in self._drawn:
             left, bottom, right, top = bundle.bounds
@@ -205,7 +187,7 @@ class Images:
     def in_patches(self) -> bool:
         """Whether any path was searched that is not reflected at whole bodies alone, whose images never come apart."""
         maps = self._maps.maps
-        return any(not maps[part - 1].is_whole for bundle in self._searched for part in bundle.path)
+        return any(not maps[part - 1].is_whole for bundle, _ in self._paths for part in bundle.path)
 
     def release(self) -> None:
         """Give the memory back."""

@@ -131,11 +131,9 @@ class VirtualObjects(DeferredMethod):
     def _bounces_for(self, seen: Visibility, view: View) -> list[Bounce]:
         if seen not in self._bounces:
             self._bounces[seen] = [
-                Bounce(self.resident, self._maps, self._virtual, order, self.settings)
+                Bounce(self.resident, self._maps, self._virtual, order, self.settings, seen)
                 for order in range(1, self.settings["orders"] + 1)
             ]
-            for bounce in self._bounces[seen]:
-                bounce.fit(seen)
         return self._bounces[seen][: reflections_left(self.scene, view)]
 
     def bind_reflection(self, shader: moderngl.Program, view: View) -> None:

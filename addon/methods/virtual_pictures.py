@@ -2,43 +2,30 @@
 
 from collections.abc import Iterator, Sequence
 from dataclasses import replace
-from typing import NamedTuple
 
 import moderngl
 import numpy as np
 
-from ..baking.reflector_maps_tables import UNITS, ResidentMaps
-from ..drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility, world_to_clip
+from ..baking.reflector_maps_tables import ResidentMaps
+from ..drawing import Resident, Visibility, world_to_clip
 from ..gl import program, require
+from ..gl.textures import WIDTH as ROW
 from ..scene import Camera, Scene
 from ..tracing import Curvature
 from .contract import View
 from .situation import placed
-from .virtual_bundles import Bundle, bundles_of
+from .virtual_bundles import Bundle, Run, bundles_of
 from .virtual_meshes import TABLES, VirtualMeshes
+from .virtual_rays import AFTER_RAYS, MAPS_UNIT, MirroredRays, eye_of, read
 from .virtual_scene import runs_of
-
-_ROW = 4096
-"""Results a row, as gpu_shaders/common/data.glsl has it."""
 
 _MOST_RESULTS = 1 << 22
 """Of one batch: 64 MiB."""
 
-_MAPS_UNIT = FREE_UNIT + 1
-_RAYS_UNIT = _MAPS_UNIT + UNITS
-_RESULTS_UNIT = _RAYS_UNIT + 2
+_RESULTS_UNIT = AFTER_RAYS
 _MESHES_UNIT = _RESULTS_UNIT + 1
 MET_UNIT = _MESHES_UNIT + TABLES
 """What is seen in the reflectors is on this texture unit."""
-
-
-class _Run(NamedTuple):
-    """Instances in a row that a part may show; their points' results begin at `result`."""
-
-    bundle: Bundle
-    first: int
-    end: int
-    result: int
 
 
 class VirtualPicture:
@@ -50,7 +37,7 @@ class VirtualPicture:
     def __init__(self, resident: Resident, maps: ResidentMaps, meshes: VirtualMeshes, seen: Visibility) -> None:
         """Compile, and make targets of the size of what is `seen`, for the reflectors there."""
         self._maps, self._meshes, self._scene = maps, meshes, resident.scene
-        self._rays = ScreenPass("virtual/rays.frag", resident, Part.REFLECTORS)
+        self._rays = MirroredRays("virtual/rays.frag", resident, maps, seen)
         self._search = program("virtual_published/search.vert", "virtual_published/search.frag", {"ORDER": 1})
         self._draw = program(
             "virtual_published/mesh.vert",
@@ -60,9 +47,6 @@ class VirtualPicture:
         )
         self._points, self._triangles = meshes.by_point(self._search), meshes.by_triangle(self._draw)
         context = require()
-        self._ray_textures = [context.texture(seen.size, 4, dtype="f4") for _ in range(2)]
-        self._ray_target = context.framebuffer(self._ray_textures, seen.parts)
-        self._ray_target.depth_mask = False
         self.met = context.texture(seen.size, 4, dtype="u4")
         self.met.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._depth = context.depth_renderbuffer(seen.size)
@@ -71,19 +55,14 @@ class VirtualPicture:
 
     def draw(self, view: View, seen: Visibility, offset: tuple[float, float], steps: int, threshold: float) -> None:
         """Search and draw what the reflectors of one sample show; `offset` of it within the pixel."""
-        self._ray_target.clear()
-        self._maps.bind(self._rays.shader, _MAPS_UNIT)
-        self._rays.draw(view.camera, seen, self._ray_target, offset=offset, blend=False)
-        bundles = bundles_of(*(self._read(part) for part in self._ray_textures))
+        self._rays.draw(view, seen, offset)
+        bundles = bundles_of(read(self._rays.origins), read(self._rays.directions))
         self._target.clear()
         for runs in self._batches(bundles):
             self.find(view, runs, steps, threshold)
             self._show(view, runs, offset)
 
-    def _read(self, texture: moderngl.Texture) -> np.ndarray:
-        return np.frombuffer(texture.read(), np.float32).reshape(texture.height, texture.width, 4)
-
-    def _batches(self, bundles: Sequence[Bundle]) -> Iterator[list[_Run]]:
+    def _batches(self, bundles: Sequence[Bundle]) -> Iterator[list[Run]]:
         """What is to be searched and drawn, all culled that no mirrored ray of a part can meet."""
         runs, result = [], 0
         for bundle in bundles:
@@ -92,17 +71,17 @@ class VirtualPicture:
                 if runs and result + count > _MOST_RESULTS:
                     yield runs
                     runs, result = [], 0
-                runs.append(_Run(bundle, first, end, result))
+                runs.append(Run(bundle, first, end, result))
                 result += count
         if runs:
             yield runs
 
-    def find(self, view: View, runs: Sequence[_Run], steps: int, threshold: float) -> None:
+    def find(self, view: View, runs: Sequence[Run], steps: int, threshold: float) -> None:
         """Search the virtual vertices of some runs."""
         last, shader = runs[-1], self._search
-        height = -(-(last.result + int(self._meshes.points[last.end] - self._meshes.points[last.first])) // _ROW)
+        height = -(-(last.result + int(self._meshes.points[last.end] - self._meshes.points[last.first])) // ROW)
         self._make_room(height)
-        self._maps.bind(shader, _MAPS_UNIT)
+        self._maps.bind(shader, MAPS_UNIT)
         shader["eye"] = eye_of(view.camera)
         shader["steps"], shader["threshold"] = steps, threshold
         shader["results_height"] = self._results.height
@@ -123,19 +102,18 @@ class VirtualPicture:
     def _make_room(self, height: int) -> None:
         if self._results is None or self._results.height < height:
             self._release_results()
-            self._results = require().texture((_ROW, height), 4, dtype="f4")
+            self._results = require().texture((ROW, height), 4, dtype="f4")
             self._results_target = require().framebuffer([self._results])
 
-    def _show(self, view: View, runs: Sequence[_Run], offset: tuple[float, float]) -> None:
+    def _show(self, view: View, runs: Sequence[Run], offset: tuple[float, float]) -> None:
         """Draw the virtual meshes of some runs, each where its part is seen."""
         shader = self._draw
         clip = world_to_clip(_far_sighted(view, self._scene), view.width, view.height, offset)
         shader["world_to_clip"] = tuple(clip.T.ravel())
         shader["eye"] = eye_of(view.camera)
-        units = {"ray_origins": _RAYS_UNIT, "ray_directions": _RAYS_UNIT + 1, "results": _RESULTS_UNIT}
-        for texture, (name, unit) in zip((*self._ray_textures, self._results), units.items(), strict=True):
-            texture.use(unit)
-            shader[name] = unit
+        self._rays.bind(shader)
+        self._results.use(_RESULTS_UNIT)
+        shader["results"] = _RESULTS_UNIT
         self._meshes.bind(shader, _MESHES_UNIT)
         self._target.use()
         require().enable_only(moderngl.DEPTH_TEST)
@@ -156,15 +134,10 @@ class VirtualPicture:
     def release(self) -> None:
         """Give the memory back."""
         self._release_results()
-        for part in (self._ray_target, *self._ray_textures, self._target, self.met, self._depth):
+        for part in (self._rays, self._target, self.met, self._depth):
             part.release()
         for part in (self._points, self._triangles):
             part.release()
-
-
-def eye_of(camera: Camera) -> tuple[float, float, float, float]:
-    """Where rays come from, as the searches have it: w is 0 for a direction."""
-    return (*camera.position, 1.0) if camera.ortho_scale is None else (*camera.matrix[:3, 2], 0.0)
 
 
 def _far_sighted(view: View, scene: Scene) -> Camera:

@@ -10,7 +10,6 @@ uniform isampler2D sources;  // triangle and instance that each is a piece of
 uniform int left_out;        // an instance that is not seen by this path
 uniform vec4 bounds;         // pixels that the path is seen in: low and high corner
 uniform int first_triangle;
-uniform float margin;        // pixels
 uniform vec4 bundle;         // the ball that the rays begin in: centre, radius
 uniform vec4 bundle_axis;    // where they go: axis, radians off it
 
@@ -18,6 +17,7 @@ uniform vec4 bundle_axis;    // where they go: axis, radians off it
 // beside the vertex.
 const float MOST_LEAN = 1e-2, MOST_LEAN_CONCAVE = 0.1;
 
+const float MARGIN = 1.0;      // pixels
 const float SURELY = 8.0;      // pixels
 const float LARGE = 0.35;      // radians
 
@@ -68,7 +68,7 @@ void hold(vec3 direction[3], vec4 place[3]) {
     float height = dot(other - from, vec2(-along.y, along.x));
     float bent = max(max(bend(direction[0], direction[1], a, b), bend(direction[1], direction[2], b, c)),
                      bend(direction[2], direction[0], c, a));
-    float around = margin + bent;
+    float around = MARGIN + bent;
     rectangle(from, along, vec2(0.0, min(height, 0.0)) - around, vec2(longest, max(height, 0.0)) + around);
 }
 
