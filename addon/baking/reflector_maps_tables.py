@@ -75,8 +75,8 @@ class ResidentMaps:
     def curvature_radii(self) -> np.ndarray:
         """(P,) metres: of the ball that turns as much as each part does over its size; infinite for a flat one."""
         sizes = np.linalg.norm(self.boxes[:, 1] - self.boxes[:, 0], axis=1) / 2.0
-        with np.errstate(divide="ignore"):
-            return sizes / np.array([one.turn for one in self.maps])
+        turns = np.array([one.turn for one in self.maps])
+        return np.divide(sizes, turns, out=np.full(len(sizes), np.inf), where=turns > 0.0)
 
     def is_concave(self, path: Sequence[int]) -> bool:
         """Whether any of some parts is hollow, so that a point may show more than once in it."""
