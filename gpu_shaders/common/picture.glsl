@@ -18,8 +18,7 @@ Hit pixel_hit(Ray ray) {
     uvec2 seen = texelFetch(visibility, ivec2(gl_FragCoord.xy) - corner, 0).xy;
     if (seen.x == 0u) return Hit(NONE, NONE, vec2(0.0), FAR);
     int instance = int(seen.x) - 1, triangle = int(seen.y);
-    mat4x3 inward = world_to_object(instance);
-    vec3 met = meet_plane(inward * vec4(ray.origin, 1.0), mat3(inward) * ray.direction, triangle_at(triangle));
+    vec3 met = meet_plane_of(instance, triangle, ray);
     // A pixel that the rasteriser gave to a triangle may lie a rounding outside it.
     return Hit(instance, triangle, clamp(met.xy, 0.0, 1.0), met.z);
 }

@@ -79,3 +79,9 @@ vec3 meet_plane(vec3 origin, vec3 direction, Triangle t) {
     float inverse = 1.0 / dot(ab, p);
     return inverse * vec3(dot(to_origin, p), dot(direction, q), dot(ac, q));
 }
+
+// The same for a ray in the world and a triangle of an instance.
+vec3 meet_plane_of(int instance, int triangle, Ray ray) {
+    mat4x3 inward = world_to_object(instance);
+    return meet_plane(inward * vec4(ray.origin, 1.0), mat3(inward) * ray.direction, triangle_at(triangle));
+}

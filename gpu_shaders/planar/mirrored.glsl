@@ -19,6 +19,5 @@ float mirrored_distance(Ray ray) {
     ivec2 place = ivec2(mirrored_place() * vec2(textureSize(mirrored_visibility, 0)));
     uvec2 seen = texelFetch(mirrored_visibility, place, 0).xy;
     if (seen.x == 0u) return FAR;
-    mat4x3 inward = world_to_object(int(seen.x) - 1);
-    return meet_plane(inward * vec4(ray.origin, 1.0), mat3(inward) * ray.direction, triangle_at(int(seen.y))).z;
+    return meet_plane_of(int(seen.x) - 1, int(seen.y), ray).z;
 }

@@ -2,6 +2,7 @@
 
 #include "virtual/screen.glsl"
 #include "virtual/results.glsl"
+#include "virtual/bundle.glsl"
 
 layout(triangles) in;
 layout(triangle_strip, max_vertices = 24) out;
@@ -10,8 +11,6 @@ uniform isampler2D sources;  // triangle and instance that each is a piece of
 uniform int left_out;        // an instance that is not seen by this path
 uniform vec4 bounds;         // pixels that the path is seen in: low and high corner
 uniform int first_triangle;
-uniform vec4 bundle;         // the ball that the rays begin in: centre, radius
-uniform vec4 bundle_axis;    // where they go: axis, radians off it
 
 // Tangents at a reflection point that was found. Just beyond a caustic there is none, but there may be for what lies
 // beside the vertex.
@@ -90,34 +89,25 @@ void image_of(int corner, vec3 result, out vec3 direction[3], out vec4 place[3])
     }
 }
 
-// How large the triangle is for its distance from where the rays begin, about in radians. `passed`: whether a ray may
-// meet it.
-float extent(out bool passed) {
-    vec3 middle = (vertex[0] + vertex[1] + vertex[2]) / 3.0, way = middle - bundle.xyz;
-    float radius = max(max(distance(middle, vertex[0]), distance(middle, vertex[1])), distance(middle, vertex[2]));
-    float away = length(way), near = radius + bundle.w;
-    passed = away <= near
-          || acos(clamp(dot(way, bundle_axis.xyz) / away, -1.0, 1.0)) <= bundle_axis.w + asin(near / away);
-    return 2.0 * radius / max(max(away, bundle.w), 1e-9);
-}
-
 void main() {
-    bool passed;
-    float size = extent(passed);
-    if (!passed) return;
+    vec3 middle = (vertex[0] + vertex[1] + vertex[2]) / 3.0;
+    float radius = max(max(distance(middle, vertex[0]), distance(middle, vertex[1])), distance(middle, vertex[2]));
+    if (!in_bundle(middle, radius)) return;
+    // For its distance from where the rays begin, about in radians.
+    float size = 2.0 * radius / max(max(distance(middle, bundle.xyz), bundle.w), 1e-9);
     vec4 result[6] = vec4[6](found[0], found[1], found[2], found_again[0], found_again[1], found_again[2]);
     bool more = is_found(result[3]) || is_found(result[4]) || is_found(result[5]);
-    bool all_found = is_found(result[0]) && is_found(result[1]) && is_found(result[2]);
+    bvec3 has = bvec3(is_found(result[0]), is_found(result[1]), is_found(result[2]));
     vec3 direction[3] = vec3[3](found[0].xyz, found[1].xyz, found[2].xyz);
     vec4 place[3] = shown_there;
     vec2 middles[6];
     int images = 0;
-    if (is_whole(0) && ORDER == 1 || all_found && together(place)) {
-        if (!all_found && !is_found(result[0]) && !is_found(result[1]) && !is_found(result[2])) return;
+    if (is_whole(0) && ORDER == 1 || all(has) && together(place)) {
+        if (!any(has)) return;
         hold(direction, place);
         if (!more) return;
         middles[images++] = (place[0].xy + place[1].xy + place[2].xy) / 3.0;
-    } else if (!all_found && size > LARGE) {
+    } else if (!all(has) && size > LARGE) {
         // Its corners lie far outside of what is seen, which it may fill.
         rectangle(vec2(0.0), vec2(1.0, 0.0), bounds.xy - 0.5 * screen, bounds.zw - 0.5 * screen);
         return;
@@ -126,11 +116,11 @@ void main() {
     for (int i = 0; i < 6; ++i) {
         if (!is_found(result[i])) continue;
         image_of(i % 3, result[i].xyz, direction, place);
-        vec2 middle = (place[0].xy + place[1].xy + place[2].xy) / 3.0;
+        vec2 image = (place[0].xy + place[1].xy + place[2].xy) / 3.0;
         bool known = false;
-        for (int j = 0; j < images; ++j) known = known || distance(middle, middles[j]) < 1.0;
+        for (int j = 0; j < images; ++j) known = known || distance(image, middles[j]) < 1.0;
         if (known) continue;
-        middles[images++] = middle;
+        middles[images++] = image;
         hold(direction, place);
     }
 }

@@ -2,11 +2,10 @@
 
 #include "virtual/screen.glsl"
 #include "virtual/results.glsl"
+#include "virtual/bundle.glsl"
 
 uniform int results_height;
 uniform int result_shift;  // from a point to its result
-uniform vec4 bundle;       // the ball that the rays begin in: centre, radius
-uniform vec4 bundle_axis;  // where they go: axis, radians off it
 
 const float ELSEWHERE = 0.3, SAME = 0.02;  // of the tangent that a face reaches to
 
@@ -15,14 +14,6 @@ in vec3 position;
 flat out vec4 found;
 flat out vec4 shown;
 flat out vec4 found_again;
-
-bool in_bundle(vec3 at) {
-    vec3 way = at - bundle.xyz;
-    float away = length(way);
-    if (away <= bundle.w) return true;
-    float off = acos(clamp(dot(way, bundle_axis.xyz) / away, -1.0, 1.0));
-    return off <= bundle_axis.w + asin(bundle.w / away);
-}
 
 // From where a ray begins that is away from the first result.
 vec4 search_again(vec3 away_from, vec3 vertex) {
@@ -35,7 +26,7 @@ void main() {
     found = NOT_SOUGHT;
     shown = vec4(0.0);
     found_again = NOT_SOUGHT;
-    if (in_bundle(position)) {
+    if (in_bundle(position, 0.0)) {
         found = search(position);
         shown = shown_at(found.xyz);
         if (concave) found_again = search_again(found.xyz, position);

@@ -29,8 +29,7 @@ Mirrored rest(Surface s, vec3 direction, int mirrored) {
 Hit hit_on(uvec2 seen, Ray ray) {
     if (seen.x == WORLD_SEEN) return Hit(NONE, NONE, vec2(0.0), FAR);
     int instance = int(seen.x) - 1;
-    mat4x3 inward = world_to_object(instance);
-    vec3 met = meet_plane(inward * vec4(ray.origin, 1.0), mat3(inward) * ray.direction, triangle_at(int(seen.y)));
+    vec3 met = meet_plane_of(instance, int(seen.y), ray);
     return Hit(instance, int(seen.y), met.xy, met.z);
 }
 
