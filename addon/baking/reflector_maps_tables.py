@@ -100,6 +100,11 @@ class ResidentMaps:
             if name in shader:
                 shader[name].write(values[rows].tobytes())
 
+    @property
+    def size_bytes(self) -> int:
+        """What the tables take on the GPU."""
+        return self._texels.size_bytes + self._numbers.size_bytes
+
     def release(self) -> None:
         """Give the memory back."""
         self._texels.release()
