@@ -1,6 +1,6 @@
 """How long the GPU takes."""
 
-from collections.abc import Callable, Iterator
+from collections.abc import Callable, Hashable, Iterator
 from contextlib import contextmanager
 from statistics import median
 from time import perf_counter
@@ -32,11 +32,11 @@ class Stopwatch:
         """Start without any stage."""
         self._context = require()
         self._stage = self._clocked if is_software(self._context.info["GL_RENDERER"]) else self._queried
-        self._times: dict[str, list[Callable[[], float]]] = {}
+        self._times: dict[Hashable, list[Callable[[], float]]] = {}
         self._asked = 0
 
     @contextmanager
-    def stage(self, name: str) -> Iterator[None]:
+    def stage(self, name: Hashable) -> Iterator[None]:
         """Time what is drawn inside."""
         with self._stage(self._times.setdefault(name, [])):
             yield
@@ -60,7 +60,7 @@ class Stopwatch:
         elapsed = 1e3 * (perf_counter() - start)
         times.append(lambda: elapsed)
 
-    def medians(self) -> dict[str, float]:
+    def medians(self) -> dict[Hashable, float]:
         """Median milliseconds of each stage. The first time of several, a warm-up, is not counted."""
         _finish()
         return {name: median(time() for time in times[len(times) > 1 :]) for name, times in self._times.items()}

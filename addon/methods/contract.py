@@ -36,6 +36,19 @@ class View:
         return sizes[0] == sizes[1] and lenses[0] == lenses[1] and np.array_equal(a.matrix, b.matrix)
 
 
+@dataclass(frozen=True, eq=False)
+class Reuse:
+    """What a picture took over from an earlier one, the key frame.
+
+    `retraced` (H, W) bool, row 0 the top: the reflectors' pixels whose centre was traced anew; `share` of the
+    reflectors' pixels that they are; `is_key`: the picture was traced whole, for those that follow.
+    """
+
+    retraced: np.ndarray
+    share: float
+    is_key: bool
+
+
 @dataclass(eq=False)
 class Frame:
     """A rendered picture; row 0 is the top.
@@ -45,13 +58,15 @@ class Frame:
     the pixel's centre sees in it, infinite where that is the world, NaN off the reflectors;
     `time_ms` GPU milliseconds by stage for one sample a pixel, the median over the samples; "frame" is
     all of them, "reflection" what the reflections take of it. Where several methods draw, each has its share
-    of "reflection" under its name.
+    of "reflection" under its name; a method that draws alone may name stages of "reflection" besides. `reuse` is
+    of a method that takes over from earlier pictures.
     """
 
     color: np.ndarray
     reflectors: np.ndarray
     distance: np.ndarray
     time_ms: dict[str, float] = field(default_factory=dict)
+    reuse: Reuse | None = None
 
 
 class Method(ABC):
@@ -98,9 +113,13 @@ class Method(ABC):
         canvas = Canvas(view.width, view.height)
         try:
             time_ms = self.paint(view, canvas, progress)
-            return Frame(*canvas.read(), time_ms)
+            return Frame(*canvas.read(), time_ms, self.reused(canvas))
         finally:
             canvas.release()
+
+    def reused(self, canvas: Canvas) -> Reuse | None:
+        """What the picture just painted on a canvas took over from earlier ones; on the GL thread."""
+        return None
 
     @abstractmethod
     def release(self) -> None:

@@ -1,7 +1,9 @@
 """The frame that every method shares: see, light, then add the reflections."""
 
 from abc import abstractmethod
-from collections.abc import Iterable, Mapping
+from collections.abc import Callable, Hashable, Iterable, Mapping
+from contextlib import AbstractContextManager
+from functools import partial
 from typing import ClassVar
 
 import moderngl
@@ -10,7 +12,12 @@ from ..drawing import Canvas, Part, Resident, ScreenPass, Visibility, world_to_c
 from ..gl import Stopwatch, on_gl_thread
 from ..progress import Progress, part_of, silent
 from ..scene import Lighting, Scene
-from .contract import Method, View
+from .contract import Method, Reuse, View
+
+_PREPARATION, _MARKING, _REFLECTION = _UNNAMED = "preparation", "marking", "reflection"
+
+Clock = Callable[[str], AbstractContextManager]
+"""Times what is drawn inside, as a stage of that name."""
 
 _TIMED = 3
 """How often what a frame prepares is timed, where a picture has several samples."""
@@ -43,6 +50,10 @@ class EnsembleMethod(Method):
     def paint(self, view: View, canvas: Canvas, progress: Progress = silent) -> dict[str, float]:
         """See, light, reflect, once for each sample of the pixel."""
         return self._ensemble.paint(view, canvas, progress)
+
+    def reused(self, canvas: Canvas) -> Reuse | None:
+        """What a method that draws alone took over."""
+        return self._ensemble.reused(canvas)
 
     @on_gl_thread
     def release(self) -> None:
@@ -97,6 +108,15 @@ class DeferredMethod(EnsembleMethod):
         self.bind_reflection(self._pass.shader, view)
         self._pass.draw(view.camera, seen, target, **sample)
 
+    def reflect_in_stages(self, clock: Clock, view: View, seen: Visibility, target, **sample) -> None:
+        """The same for the camera's own picture, timed: in one stage, unless a method names several."""
+        with clock(_REFLECTION):
+            self.reflect(view, seen, target, **sample)
+
+    def reused_on(self, seen: Visibility) -> Reuse | None:
+        """What the last picture there took over from earlier ones, where a method does so."""
+        return None
+
 
 Cast = Mapping[DeferredMethod, tuple[int, ...]]
 """The methods of a frame, and the instances whose reflections each draws."""
@@ -149,7 +169,7 @@ class Ensemble:
         watch = Stopwatch()
         for _ in range(1 if view.samples == 1 else _TIMED):
             for group, method in self._drawing():
-                with watch.stage(f"preparation {group}"):
+                with watch.stage((group, _PREPARATION)):
                     method.before_frame(view)
         canvas.clear()
         for number, (offset, weight) in enumerate(samples := _samples(view.samples)):
@@ -161,14 +181,20 @@ class Ensemble:
         """The methods that have baked, each with its group."""
         return [(group, method) for group, method in enumerate(self._cast) if method in self._ready]
 
-    def _times(self, stages: dict[str, float]) -> dict[str, float]:
-        """`time_ms` of a `Frame`: each method's own time, if there are several, and their sum."""
+    def reused(self, canvas: Canvas) -> Reuse | None:
+        """What the picture just painted took over; only of a method that draws alone."""
+        return next(iter(self._cast)).reused_on(canvas.visibility) if len(self._cast) == 1 else None
+
+    def _times(self, stages: dict[Hashable, float]) -> dict[str, float]:
+        """`time_ms` of a `Frame`: each method's own time, if there are several, else its stages; and their sum."""
         methods: dict[str, float] = {}
+        details: dict[str, float] = {}
         for group, method in self._drawing():
-            time = stages.pop(f"preparation {group}") + stages.pop(f"reflection {group}")
-            methods[method.name] = methods.get(method.name, 0.0) + time
+            own = {stage[1]: stages.pop(stage) for stage in list(stages) if stage[0] == group}
+            methods[method.name] = methods.get(method.name, 0.0) + sum(own.values())
+            details = {stage: time for stage, time in own.items() if stage not in _UNNAMED}
         reflection = sum(methods.values())
-        shares = methods if len(methods) > 1 else {}
+        shares = methods if len(methods) > 1 else details
         return {**stages, "reflection": reflection, **shares, "frame": sum(stages.values()) + reflection}
 
     def _paint_sample(self, view: View, canvas: Canvas, watch: Stopwatch, offset, weight: float) -> None:
@@ -179,8 +205,11 @@ class Ensemble:
         with watch.stage("light"):
             self._light(view, canvas, offset=offset, weight=weight)
         for group, method in self._drawing():
-            with watch.stage(f"reflection {group}"):
-                self._reflect(group, method, view, canvas.visibility, target, offset=offset, weight=weight)
+            clock = partial(_stage_of, watch, group)
+            if group:
+                with clock(_MARKING):
+                    canvas.visibility.mark_parts(self.resident, group)
+            method.reflect_in_stages(clock, view, canvas.visibility, target, offset=offset, weight=weight)
 
     def paint_mirrored(self, view: View, canvas: Canvas, offset: tuple[float, float]) -> None:
         """Wipe a canvas and draw one sample of what a mirrored camera sees through the view's opening."""
@@ -192,21 +221,22 @@ class Ensemble:
         self._light(view, canvas, offset=offset)
         if view.mirrored <= self.resident.scene.glossy_bounces:
             for group, method in self._drawing():
-                self._reflect(group, method, view, canvas.visibility, canvas.centre, offset=offset, weight=1.0)
+                if group:
+                    canvas.visibility.mark_parts(self.resident, group)
+                method.reflect(view, canvas.visibility, canvas.centre, offset=offset, weight=1.0)
 
     def _light(self, view: View, canvas: Canvas, **sample) -> None:
         for drawn in (self._world, self._lit):
             drawn.draw(view.camera, canvas.visibility, canvas.light, **sample)
 
-    def _reflect(self, group: int, method: DeferredMethod, view: View, seen: Visibility, target, **sample) -> None:
-        if group:
-            seen.mark_parts(self.resident, group)
-        method.reflect(view, seen, target, **sample)
-
     def release(self) -> None:
         """Give the GPU memory back."""
         self._dismiss(self._cast)
         self.resident.release()
+
+
+def _stage_of(watch: Stopwatch, group: int, name: str) -> AbstractContextManager:
+    return watch.stage((group, name))
 
 
 def _samples(side: int) -> list[tuple[tuple[float, float], float]]:
