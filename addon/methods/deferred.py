@@ -2,7 +2,7 @@
 
 from abc import abstractmethod
 from collections.abc import Callable, Hashable, Iterable, Mapping
-from contextlib import AbstractContextManager
+from contextlib import AbstractContextManager, nullcontext
 from functools import partial
 from typing import ClassVar
 
@@ -71,6 +71,9 @@ class DeferredMethod(EnsembleMethod):
 
     shader: ClassVar[str]
 
+    searched = 0
+    """How often `reflect` has done what it does once for all samples of a view."""
+
     @property
     def defines(self) -> dict[str, int]:
         """What the shader is compiled with besides what the scene's materials ask for."""
@@ -102,6 +105,9 @@ class DeferredMethod(EnsembleMethod):
         self.ensemble, self.resident, self.reflectors = ensemble, ensemble.resident, reflectors
         self._pass = ScreenPass(self.shader, self.resident, Part.REFLECTORS, self.defines)
         self.bake(progress)
+
+    def forget(self) -> None:
+        """Have the next sample do again what `reflect` does once for all samples of a view."""
 
     def reflect(self, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
         """Add the reflections of the marked reflectors; `sample` as `ScreenPass.draw` takes it."""
@@ -165,17 +171,29 @@ class Ensemble:
             method.free()
 
     def paint(self, view: View, canvas: Canvas, progress: Progress = silent) -> dict[str, float]:
-        """See, light, reflect, once for each sample of the pixel; `time_ms` as of a `Frame`."""
+        """See, light, reflect, once for each sample of the pixel; `time_ms` as of a `Frame`.
+
+        A search that serves all samples belongs to the time of each picture. The first sample's is a warm-up, as all
+        first times are: so it is done again with the second, and the reflections of later ones are not timed.
+        """
         watch = Stopwatch()
         for _ in range(1 if view.samples == 1 else _TIMED):
             for group, method in self._drawing():
                 with watch.stage((group, _PREPARATION)):
                     method.before_frame(view)
         canvas.clear()
+        before = self._searched()
         for number, (offset, weight) in enumerate(samples := _samples(view.samples)):
             progress("rendering", number / len(samples))
-            self._paint_sample(view, canvas, watch, offset, weight)
+            searched = self._searched() > before
+            if searched and number == 1:
+                for _, method in self._drawing():
+                    method.forget()
+            self._paint_sample(view, canvas, watch, offset, weight, timed=number < 2 or not searched)
         return self._times(watch.medians())
+
+    def _searched(self) -> int:
+        return sum(method.searched for _, method in self._drawing())
 
     def _drawing(self) -> list[tuple[int, DeferredMethod]]:
         """The methods that have baked, each with its group."""
@@ -197,7 +215,9 @@ class Ensemble:
         shares = methods if len(methods) > 1 else details
         return {**stages, "reflection": reflection, **shares, "frame": sum(stages.values()) + reflection}
 
-    def _paint_sample(self, view: View, canvas: Canvas, watch: Stopwatch, offset, weight: float) -> None:
+    def _paint_sample(
+        self, view: View, canvas: Canvas, watch: Stopwatch, offset: tuple[float, float], weight: float, timed: bool
+    ) -> None:
         target = canvas.picture if any(offset) else canvas.centre
         with watch.stage("visibility"):
             canvas.visibility.draw(self.resident, world_to_clip(view.camera, *canvas.size, offset))
@@ -205,7 +225,7 @@ class Ensemble:
         with watch.stage("light"):
             self._light(view, canvas, offset=offset, weight=weight)
         for group, method in self._drawing():
-            clock = partial(_stage_of, watch, group)
+            clock = partial(_stage_of, watch, group) if timed else nullcontext
             if group:
                 with clock(_MARKING):
                     canvas.visibility.mark_parts(self.resident, group)

@@ -91,8 +91,7 @@ class VirtualObjects(DeferredMethod):
     Outputs: as every method.
 
     Limitations: costs a search for every vertex and part that may show it; near caustics of hollow mirrors thin strips
-    may be missed; the inside of a convex body that faces outwards mirrors nothing; roughness counts as 0. A view is
-    searched once, with its first sample, which the time of a frame does not count.
+    may be missed; the inside of a convex body that faces outwards mirrors nothing; roughness counts as 0.
     """
 
     name = "virtual-objects"
@@ -121,12 +120,17 @@ class VirtualObjects(DeferredMethod):
         known = self._views.get(seen)
         anew = known is None or not known.shows_the_same(view)
         self._views[seen] = view
+        self.searched += anew
         for bounce in self._bounces_for(seen, view):
             bounce.draw(view, seen, sample["offset"], anew, before)
             before = bounce
         for bounce in self._bounces_for(seen, view):
             bounce.show()
         super().reflect(view, seen, target, **sample)
+
+    def forget(self) -> None:
+        """Search every view anew."""
+        self._views.clear()
 
     def _bounces_for(self, seen: Visibility, view: View) -> list[Bounce]:
         if seen not in self._bounces:
