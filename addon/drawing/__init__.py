@@ -7,6 +7,7 @@ from .passes import ScreenPass
 from .rasteriser import MOST_CUTS
 from .resident import FREE_UNIT, Resident
 from .tables import first_triangles, world_box
+from .trees import grow_trees
 from .visibility import Part, Visibility, world_to_clip
 
 __all__ = [
@@ -21,6 +22,7 @@ __all__ = [
     "ScreenPass",
     "Visibility",
     "first_triangles",
+    "grow_trees",
     "layer_view",
     "world_box",
     "world_to_clip",

@@ -10,8 +10,28 @@ from ..scene import Lighting, Scene
 from .lamps import world_light
 from .rasteriser import Rasteriser
 from .tables import geometry_tables, material_defines, record_table
+from .trees import tree_table
 
 _LIGHTING = {Lighting.UNLIT: 0, Lighting.CYCLES: 1, Lighting.DIRECT: 2}
+
+_UNITS = {
+    name: unit
+    for unit, name in enumerate(
+        (
+            "positions",
+            "corners",
+            "vertex_colors",
+            "images",
+            "byte_texels",
+            "float_texels",
+            "layer_nodes",
+            "layer_spans",
+            "layer_entries",
+            "records",
+        )
+    )
+}
+_UNITS["tree_nodes"] = _UNITS["layer_nodes"]  # no program searches both
 
 FREE_UNIT = 10
 """The first texture unit that a method may use for itself."""
@@ -37,6 +57,7 @@ class Resident:
         before = self.scene
         if not _same(_geometry(scene), _geometry(before)):
             self._upload(geometry_tables(scene))
+            self._drop("tree_nodes")
         elif _same(_placement(scene), _placement(before)):
             self.scene = scene
             return False
@@ -64,9 +85,12 @@ class Resident:
 
     def _upload(self, tables: dict[str, np.ndarray]) -> None:
         for name, table in tables.items():
-            if name in self._textures:
-                self._textures.pop(name).release()
+            self._drop(name)
             self._textures[name] = DataTexture(table)
+
+    def _drop(self, name: str) -> None:
+        if name in self._textures:
+            self._textures.pop(name).release()
 
     @property
     def defines(self) -> dict[str, int]:
@@ -74,11 +98,16 @@ class Resident:
         return {"LIGHTING": _LIGHTING[self.lighting], **self._material_defines}
 
     def bind(self, shader: moderngl.Program) -> None:
-        """Bind every table that `shader` reads, and set the uniforms that belong to the scene."""
-        for unit, (name, texture) in enumerate(self._textures.items()):
+        """Bind every table that `shader` reads, and set the uniforms that belong to the scene.
+
+        Trees are uploaded when a shader first asks for them: few methods do.
+        """
+        if "tree_nodes" in shader and "tree_nodes" not in self._textures:
+            self._upload(tree_table(self.scene))
+        for name, texture in self._textures.items():
             if name in shader:
-                texture.use(unit)
-                shader[name] = unit
+                texture.use(_UNITS[name])
+                shader[name] = _UNITS[name]
         uniforms = {
             "world_color": self.scene.world.color,
             **self._numbers,

@@ -53,6 +53,12 @@ def first_triangles(scene: Scene) -> np.ndarray:
     return np.concatenate([[0], np.cumsum([len(mesh.triangles) for mesh in scene.meshes])]).astype(np.int64)
 
 
+def box_of(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
+    """Low corner and size, (3,) float64, of the box that rays are held against before a mesh is searched."""
+    layers, _ = _structure(mesh)
+    return layers.low, layers.size
+
+
 def _structure(mesh: Mesh) -> tuple[Layers, bool]:
     """The layers of a mesh, and whether it is convex; found once, as long as the mesh lives."""
     if mesh not in _STRUCTURES:
@@ -127,7 +133,7 @@ def _instances_and_materials(scene: Scene, groups: Mapping[int, int]) -> tuple[n
         if instance.materials not in first:
             first[instance.materials] = len(order)
             order.extend(instance.materials)
-    rows = np.zeros((len(scene.instances), 10, 4), np.float32)
+    rows = np.zeros((len(scene.instances), 11, 4), np.float32)
     layers, convex = zip(*map(_structure, scene.meshes), strict=True) if scene.meshes else ((), ())
     grids = _grids(layers)
     reflectors: defaultdict[int, Iterator[int]] = defaultdict(count)
@@ -140,6 +146,7 @@ def _instances_and_materials(scene: Scene, groups: Mapping[int, int]) -> tuple[n
         row[7] = (*layers[instance.mesh].low, layers[instance.mesh].axis)
         row[8] = (*layers[instance.mesh].size, convex[instance.mesh])
         row[9] = grids[instance.mesh]
+        row[10, 0] = instance.mesh
     materials = [_material(scene.materials[index]) for index in order] or [np.zeros((6, 4), np.float32)]
     return rows.reshape(-1, 4), np.concatenate(materials)
 

@@ -23,7 +23,7 @@ class LayeredDepth(DeferredMethod):
 
     name = "layered-depth"
     source = "after Zhang et al., 3.3 and 3.4: columns of triangles, walked exactly"
-    shader = "layered_depth/layered_depth.frag"
+    shader = "traced/traced.frag"
 
     def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
         """How often a path reflects."""

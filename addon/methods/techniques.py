@@ -7,6 +7,7 @@ from .glossy_planes import GlossyPlanes
 from .layered_depth import LayeredDepth
 from .layered_depth_published import LayeredDepthPublished
 from .planar import Planar
+from .ray_traced import RayTraced
 from .virtual_objects import VirtualObjects
 from .virtual_objects_published import VirtualObjectsPublished
 
@@ -18,6 +19,7 @@ TECHNIQUES: dict[str, type[DeferredMethod]] = {
         EnvironmentMapParallax,
         LayeredDepthPublished,
         LayeredDepth,
+        RayTraced,
         Planar,
         GlossyPlanes,
         GlossyPlanar,

@@ -10,6 +10,8 @@ from .interpolation_grid import InterpolationGrid, interpolation_grid
 from .layers import Layers
 from .layers import build as build_layers
 from .star_parts import StarPart, star_parts
+from .trees import Tree
+from .trees import build as build_tree
 
 __all__ = [
     "OCTANTS",
@@ -19,8 +21,10 @@ __all__ = [
     "Layers",
     "Near",
     "StarPart",
+    "Tree",
     "build_hierarchy",
     "build_layers",
+    "build_tree",
     "cut_near",
     "flat_parts",
     "interpolation_grid",

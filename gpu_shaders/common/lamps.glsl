@@ -2,7 +2,7 @@
 // a white surface sends out: irradiance over pi.
 
 #include "common/surface.glsl"
-#include "common/layers.glsl"
+#include "common/tracer.glsl"
 #include "common/world.glsl"
 
 uniform int first_lamp;

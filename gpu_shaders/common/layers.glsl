@@ -1,38 +1,15 @@
 // The nearest triangle along a ray, by layered depth textures whose texels hold triangles
-// (addon/tracing/layers.py): a walk over the instances' boxes, then over columns cut into slices of depth.
-//
-// Lanes walk in step, and one without work waits (or, in llvmpipe, works in vain) while another has some. So
-// each loop looks for the next thing to do with as little as possible, does it outside of that search, and
-// asks at its end whether there is more (Aila and Laine 2009).
+// (addon/tracing/layers.py): a walk over columns cut into slices of depth.
+// Loops look first and work after, as in common/instances.glsl.
 
-#include "common/scene.glsl"
+#include "common/instances.glsl"
 
-// The hierarchy, once for each octant of directions, 2 texels a node: low, next on a miss | high, instance or NONE.
-uniform int first_node;
-uniform int hierarchy_nodes;
 uniform usampler2D layer_nodes;   // 1 texel a block of columns: slices (2 words), span of the first
 uniform usampler2D layer_spans;   // 1 texel an occupied slice: first entry, how many
 uniform usampler2D layer_entries; // 1 texel an entry: triangle
 
 const int SLICES = 64;
 const float NUDGE = 2e-3;  // columns: past a border, less than triangles are widened
-
-// The part of a ray within a box: from `start` metres along the ray, `end` metres long.
-struct Segment {
-    vec3 origin, direction;
-    float start, end;
-};
-
-vec2 box_span(vec3 origin, vec3 inverse, vec3 low, vec3 high) {
-    vec3 a = (low - origin) * inverse, b = (high - origin) * inverse;
-    vec3 near = min(a, b), far = max(a, b);
-    return vec2(max(max(near.x, near.y), near.z), min(min(far.x, far.y), far.z));
-}
-
-vec3 safe_inverse(vec3 v) {
-    vec3 tiny = vec3(1e-30);
-    return 1.0 / mix(v, mix(tiny, -tiny, lessThan(v, vec3(0.0))), lessThan(abs(v), tiny));
-}
 
 uint bits_between(int first, int last) {
     first = max(first, 0);
@@ -54,12 +31,7 @@ void meet_span(uvec2 span, Segment ray, float least, int instance, Hit from, ino
     uint entry = span.x;
     do {
         int triangle = int(texelFetch(layer_entries, texel_at(int(entry)), 0).x);
-        vec3 met = meet_plane(ray.origin, ray.direction, triangle_at(triangle));
-        float distance = ray.start + met.z;
-        bool inside = met.x >= -1e-6 && met.y >= -1e-6 && met.x + met.y <= 1.000001;
-        if (inside && distance > least && distance < hit.distance
-            && !(instance == from.instance && triangle == from.triangle))
-            hit = Hit(instance, triangle, met.xy, distance);
+        meet_triangle(triangle, ray, least, instance, from, hit);
     } while (++entry < span.x + span.y);
 }
 
@@ -135,58 +107,14 @@ void walk_columns(ivec4 grid, Segment local, Segment ray, float least, int insta
 }
 
 void meet_instance(Ray world, int instance, float least, Hit from, inout Hit hit) {
-    mat4x3 inward = world_to_object(instance);
     vec4 low = instance_texel(instance, 7), size = instance_texel(instance, 8);
-    vec3 origin = inward * vec4(world.origin, 1.0), direction = mat3(inward) * world.direction;
-    vec2 span = box_span(origin, safe_inverse(direction), low.xyz, low.xyz + size.xyz);
-    span = vec2(max(span.x, 0.0), min(span.y, hit.distance));
-    if (span.x >= span.y) return;
-    Segment ray = Segment(origin + span.x * direction, direction, span.x, span.y - span.x);
-    vec3 scale = 1.0 / size.xyz, o = (ray.origin - low.xyz) * scale, d = direction * scale;
+    Segment ray = segment_within(world, instance, low.xyz, size.xyz, hit.distance);
+    if (ray.end <= 0.0) return;
+    vec3 scale = 1.0 / size.xyz, o = (ray.origin - low.xyz) * scale, d = ray.direction * scale;
     o = low.w == 0.0 ? o.yzx : low.w == 1.0 ? o.zxy : o;
     d = low.w == 0.0 ? d.yzx : low.w == 1.0 ? d.zxy : d;
     vec4 grid = instance_texel(instance, 9);
     vec3 cells = vec3(grid.xy, SLICES);
     Segment local = Segment(cells * o, cells * d, 0.0, ray.end);
     walk_columns(ivec4(grid), local, ray, least, instance, from, hit);
-}
-
-// The instance whose outside `ray` leaves for good, because its mesh is convex; NONE if there is none.
-int left_behind(Ray ray, Hit from) {
-    if (from.instance == NONE || instance_texel(from.instance, 8).w == 0.0) return NONE;
-    Triangle t = triangle_at(from.triangle);
-    vec3 direction = mat3(world_to_object(from.instance)) * ray.direction;
-    return dot(cross(t.b - t.a, t.c - t.a), direction) > 0.0 ? from.instance : NONE;
-}
-
-// The next instance whose box `ray` meets before `reach`, NONE if there is none; `node` is where to look on.
-int next_instance(inout int node, int first, Ray ray, vec3 inverse, float reach, int skipped) {
-    int found = NONE;
-    do {
-        vec4 low = texelFetch(records, texel_at(first + 2 * node), 0);
-        vec4 high = texelFetch(records, texel_at(first + 2 * node + 1), 0);
-        vec2 span = box_span(ray.origin, inverse, low.xyz, high.xyz);
-        bool missed = span.x > span.y || span.y < 0.0 || span.x > reach;
-        node = missed ? int(low.w) : node + 1;
-        if (!missed && int(high.w) != skipped) found = int(high.w);
-    } while (found < 0 && node < hierarchy_nodes);
-    return found;
-}
-
-// The nearest hit of `ray` within `reach` metres; `from` is the point it leaves, never met again.
-Hit nearest_hit(Ray ray, Hit from, float reach) {
-    Hit hit = Hit(NONE, NONE, vec2(0.0), reach);
-    vec3 inverse = safe_inverse(ray.direction);
-    float least = 1e-5 * (1.0 + length(ray.origin));
-    int skipped = left_behind(ray, from);
-    ivec3 down = ivec3(lessThan(ray.direction, vec3(0.0)));
-    int first = first_node + 2 * hierarchy_nodes * (down.x + 2 * down.y + 4 * down.z);
-    int node = 0;
-    int instance = next_instance(node, first, ray, inverse, reach, skipped);
-    if (instance >= 0) do {
-        meet_instance(ray, instance, least, from, hit);
-        instance = NONE;
-        if (node < hierarchy_nodes) instance = next_instance(node, first, ray, inverse, hit.distance, skipped);
-    } while (instance >= 0);
-    return hit;
 }

@@ -1,6 +1,6 @@
-// Reflections by rays through the layered depth textures of all objects, from mirror to mirror.
+// Reflections by rays that go from mirror to mirror, whatever tracer finds what they meet.
 
-#include "common/layers.glsl"
+#include "common/tracer.glsl"
 
 // `reflections`: how often a path may reflect before it goes black, this time included.
 Mirrored traced_light(Surface s, vec3 direction, int reflections) {

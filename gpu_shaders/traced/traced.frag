@@ -1,5 +1,5 @@
-// Reflections by a search of layered depth textures whose texels hold triangles: the nearest hit over
-// all objects, the reflector itself included, followed from mirror to mirror.
+// Reflections by rays: the nearest hit over all objects, the reflector itself included, followed from mirror to mirror.
+// TRACER (common/tracer.glsl) says what is searched.
 
 #include "common/reflection.glsl"
 #include "common/traced.glsl"

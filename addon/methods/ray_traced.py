@@ -1,0 +1,45 @@
+"""Every reflected ray, traced."""
+
+import moderngl
+
+from ..progress import Progress
+from .contract import View
+from .deferred import DeferredMethod
+from .layered_depth import reflections_left
+from .tracers import RAY_TRACED, prepare_tracer, tracer_defines
+
+
+class RayTraced(DeferredMethod):
+    """Every reflected ray goes down a hierarchy of boxes to the triangle that it meets first.
+
+    Two levels: each mesh has a tree of its own, built once however often it is placed, and the objects' boxes
+    stand in one above them, the only one built anew when something moves. A ray takes the nearest hit over all
+    objects, the reflector itself included, looks up textures and light there, and follows mirrors as often as the
+    scene's glossy bounces allow. It is exact, and so what other methods are held against.
+
+    Source: trees by clustering as Meister and Bittner, *Parallel locally-ordered clustering for bounding volume
+    hierarchy construction*, 2018, with four children a node as Wald, Benthin and Boulos, *Getting rid of packets*,
+    2008; loops for lanes in step as Aila and Laine, *Understanding the efficiency of ray traversal on GPUs*, 2009.
+
+    Outputs: as every method.
+
+    Limitations: mirror-like materials only (roughness counts as 0); no refraction; the tree of a mesh that deforms
+    is built anew, about 4 s for 1,000,000 triangles.
+    """
+
+    name = RAY_TRACED
+    source = "Meister and Bittner 2018; Wald et al. 2008: a hierarchy of boxes for each mesh, and one above"
+    shader = "traced/traced.frag"
+
+    @property
+    def defines(self) -> dict[str, int]:
+        """Which tracer."""
+        return tracer_defines(self.name)
+
+    def bake(self, progress: Progress) -> None:
+        """Grow the trees."""
+        prepare_tracer(self.name, self.resident, progress)
+
+    def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
+        """How often a path reflects."""
+        shader["reflections"] = reflections_left(self.scene, view)
