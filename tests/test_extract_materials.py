@@ -150,6 +150,22 @@ def test_two_diffuses_mixed_and_added(shader):
     assert np.array(material.base.color) * material.diffuse == near((1.0, 1.0, 0.0))
 
 
+@pytest.mark.parametrize("kind", ["BsdfPrincipled", "BsdfGlossy", "BsdfMetallic", "BsdfGlass"])
+@pytest.mark.parametrize("facets", ["MULTI_GGX", "GGX"])
+def test_light_between_facets_counts_where_the_node_says_so(shader, kind, facets):
+    node = shader.link(shader.add(kind))
+    node.distribution = facets
+    material, _ = shader.read()
+    assert material.multiscatter == (facets == "MULTI_GGX")
+
+
+def test_other_facets_than_those_of_ggx_are_named(shader):
+    shader.link(shader.add("BsdfGlossy")).distribution = "BECKMANN"
+    material, found = shader.read()
+    assert not material.multiscatter
+    assert any("Beckmann" in note for note in found.notes)
+
+
 @pytest.mark.parametrize(
     ("kind", "inputs", "ior"), [("Fresnel", {"IOR": 1.7}, 1.7), ("LayerWeight", {"Blend": 0.5}, 2.0)]
 )

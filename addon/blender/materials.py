@@ -72,6 +72,7 @@ class MaterialReader:
             fresnel=surface.fresnel,
             ior=surface.ior,
             roughness=self._color(surface.grain),
+            multiscatter=surface.multiscatter,
         )
         self.materials.append(result)
         return Slot(len(self.materials) - 1, lookup, attribute, clear, not surface.reflection.black)

@@ -11,6 +11,7 @@ from .materials_colors import BLACK_PAINT, Paint, Texture, read_number, read_pai
 from .nodes import Plug, Source, Unsupported, source
 
 _GRAZING = 1e-5
+_FACETS = {"BECKMANN": "Beckmann", "ASHIKHMIN_SHIRLEY": "Ashikhmin and Shirley"}
 
 
 @dataclass(frozen=True)
@@ -18,7 +19,7 @@ class Surface:
     """A `Material` whose colours are still Blender's.
 
     `base` times `diffuse` is scattered, `emission` given off, `reflection` mirrored. `roughness` is the average of
-    `grain`, which is roughness where it varies.
+    `grain`, which is roughness where it varies; `multiscatter` as of a `Material`.
     """
 
     base: Paint = BLACK_PAINT
@@ -29,6 +30,7 @@ class Surface:
     ior: float = 1.5
     roughness: float = 0.0
     grain: Paint = BLACK_PAINT
+    multiscatter: bool = False
 
     def times(self, weight: float) -> "Surface":
         """The surface with a share of its strength."""
@@ -107,7 +109,11 @@ class SurfaceReader:
         return self._rough(found, Surface(base=color, reflection=color))
 
     def _rough(self, found: Source, surface: Surface) -> Surface:
-        """`surface` as rough as a node says, by an image or everywhere alike."""
+        """`surface` as rough as a node says, by an image or everywhere alike, with the facets that it says."""
+        facets = found.node.distribution
+        if facets not in ("GGX", "MULTI_GGX"):
+            self._warn(found.node, f"has facets by {_FACETS[facets]}, which are not supported; GGX is used")
+        surface = replace(surface, multiscatter=facets == "MULTI_GGX")
         plug = found.input("Roughness")
         try:
             grain = read_paint(plug)
@@ -184,6 +190,7 @@ class SurfaceReader:
                 ior=ior,
                 roughness=gloss.roughness,
                 grain=gloss.grain,
+                multiscatter=gloss.multiscatter,
             )
         factor = _unit(self._number(found, "Fac", 0.5))
         return self._sum(found, surfaces[0].times(1.0 - factor), surfaces[1].times(factor))

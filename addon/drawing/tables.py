@@ -160,7 +160,7 @@ def _material(material: Material) -> np.ndarray:
             [_image(base), _flags(base), fresnel, material.ior],
             [*reflection.color, _image(reflection)],
             [*emission.color, _image(emission)],
-            [_flags(reflection), _flags(emission), _flags(roughness), 0.0],
+            [_flags(reflection), _flags(emission), _flags(roughness), material.multiscatter],
             [*roughness.color, _image(roughness)],
         ],
         np.float32,

@@ -26,8 +26,11 @@ from .scene import Scene
 
 EXTENSION = ".catoptric"
 FORMAT = "catoptric scene"
-VERSION = 2
-"""2 lets roughness vary, and tells how people look at the scene; what an older file lacks has its default."""
+VERSION = 3
+"""2 lets roughness vary, and tells how people look at the scene; 3 knows of light between facets.
+
+What an older file lacks has its default.
+"""
 
 _DESCRIPTION = "scene.json"
 _DAMAGE = (

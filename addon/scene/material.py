@@ -81,7 +81,8 @@ class Material:
     `diffuse` is the weight of scattering (0 for a metal). `emission` holds its strength in its
     colour. `reflection` BLACK means that nothing is mirrored, `fresnel` how it varies with the
     angle, `ior` its index. The luminance of `roughness`, as of a colour that becomes a number in Cycles, is
-    Blender's roughness; GGX alpha is its square.
+    Blender's roughness; GGX alpha is its square. `multiscatter` says that light which goes from facet to facet of a
+    rough surface counts too (Blender's Multiscatter GGX, its default), so that a white one stays white.
     """
 
     name: str
@@ -92,6 +93,7 @@ class Material:
     fresnel: Fresnel = Fresnel.CONSTANT
     ior: float = 1.5
     roughness: ColorSource = field(default_factory=lambda: grey(0.5))
+    multiscatter: bool = False
 
     @property
     def emits(self) -> bool:

@@ -23,6 +23,31 @@ float passed_on(vec3 view, vec3 light, float alpha) {
     return (1.0 + seen) / (1.0 + seen + lit);
 }
 
+// ---- What the lobe lets out of what it gets
+
+// Share of all light that gets out, after one facet that mirrors everything, to a viewer at the angle of `cosine`.
+// Fitted to the integral, for any angle and an alpha from 0 to 1: at most 0.006 off.
+float let_out(float cosine, float alpha) {
+    const mat4 FIT = mat4(0.048, -0.476, 3.043, -2.756, -0.179, 1.759, -4.278, 1.958,
+                          0.290, 1.393, 0.554, 9.134, -0.140, 0.407, -4.198, 0.114);
+    float x = cosine / max(cosine + alpha, 1e-6);
+    vec4 powers = vec4(1.0, alpha, alpha * alpha, alpha * alpha * alpha);
+    return 1.0 - (1.0 - x) * dot(vec4(1.0, x, x * x, x * x * x), FIT * powers);
+}
+
+// Its mean over all viewers, weighted by the cosine; at most 0.003 off.
+float let_out_on_average(float alpha) {
+    return 1.0 - alpha * (0.1280 + alpha * (1.8463 + alpha * (0.8327 * alpha - 2.2148)));
+}
+
+// How much more than after one facet gets out after any number, where facets mirror `share` of the light on average:
+// as Cycles has it (after Kulla and Conty 2017 and Turquin 2019), the lobe keeps its shape.
+vec3 after_more_facets(float cosine, float alpha, vec3 share) {
+    float once = let_out(cosine, alpha), average = let_out_on_average(alpha);
+    vec3 more = share * average / (1.0 - share * (1.0 - average));
+    return 1.0 + more * (1.0 - once) / once;
+}
+
 // Columns: two tangents and the normal (Duff and others 2017).
 mat3 frame_of(vec3 normal) {
     float side = normal.z >= 0.0 ? 1.0 : -1.0, a = -1.0 / (side + normal.z), b = normal.x * normal.y * a;

@@ -15,6 +15,7 @@ struct Surface {
     float diffuse;    // weight of scattering
     bool emits, reflects;
     float roughness;  // Blender's
+    bool multiscatter; // whether light between facets counts
     int fresnel;
     float ior;
     int lightmap;
@@ -84,6 +85,7 @@ Surface surface_at(Hit hit, vec3 direction) {
     s.emission = s.emits ? color_of(emission.rgb, emission.a, flags.y, uv, tint, EMISSION_IMAGES) : vec3(0.0);
     s.reflection = color_of(reflection.rgb, reflection.a, flags.x, uv, tint, REFLECTION_IMAGES);
     s.roughness = dot(color_of(gloss.rgb, gloss.a, flags.z, uv, vec3(1.0), ROUGHNESS_IMAGES), LUMINANCE);
+    s.multiscatter = flags.w > 0.0;
     s.diffuse = base.a;
     s.fresnel = int(kind.z);
     s.ior = kind.w;

@@ -1,7 +1,7 @@
 // A rough flat mirror: rays of its GGX lobe, followed through the picture that the mirrored camera saw.
 
 #include "common/reflection.glsl"
-#include "common/ggx.glsl"
+#include "common/lobe.glsl"
 #include "planar/mirror.glsl"
 
 uniform sampler2D mirrored;        // radiance
@@ -159,17 +159,6 @@ vec3 radiance_at(Way way, vec2 place, float t, float width) {
     return textureLod(mirrored, place, level).rgb;
 }
 
-// 0..1, even over the pixels of a neighbourhood (Jimenez 2014).
-float dither(vec2 pixel) {
-    return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
-}
-
-// Even over the rays of a pixel, those of all its samples (Roberts 2018), and other in each pixel.
-vec2 random(int ray) {
-    vec2 start = vec2(dither(gl_FragCoord.xy), dither(gl_FragCoord.xy + vec2(47.0, 17.0)));
-    return fract(start + float(ray) * vec2(0.7548776662, 0.5698402910));
-}
-
 // What lies straight behind the mirror is at the pixel's own place, within the margin.
 Mirrored perfect(Surface s, vec3 direction) {
     ivec2 place = ivec2(gl_FragCoord.xy) + (textureSize(mirrored, 0) - textureSize(visibility, 0)) / 2;
@@ -180,27 +169,21 @@ Mirrored perfect(Surface s, vec3 direction) {
 
 Mirrored mirrored_light(Surface s, vec3 direction) {
     if (!shows_mirror(s.at.instance, s.at.triangle)) discard;
-    float alpha = alpha_of(s), nearest = FAR;
-    if (alpha < SHARP) return perfect(s, direction);
-    mat3 frame = frame_of(s.normal);
-    vec3 view = -direction * frame, sum = vec3(0.0), mirrored_share = vec3(0.0);
-    float narrowest = cone * alpha * view.z;  // across the plane of incidence, where no lobe is stretched
+    if (alpha_of(s) < SHARP) return perfect(s, direction);
+    Lobe lobe = lobe_of(s, direction);
+    vec3 sum = vec3(0.0), covered = vec3(0.0);
+    float narrowest = cone * lobe.alpha * lobe.view.z;  // across the plane of incidence, where no lobe is stretched
+    float nearest = FAR;
     for (int i = 0; i < rays; ++i) {
         vec2 u = random(first_ray + i);
-        vec3 facet = sample_half(view, alpha, u), light = reflect(-view, facet);
-        if (light.z <= 0.0) continue;
-        Ray ray = Ray(s.position, frame * light);
-        Way way = way_of(ray);
+        Facet facet = facet_of(lobe, s, u);
+        covered += facet.covered;
+        if (facet.kept == vec3(0.0)) continue;
+        Way way = way_of(Ray(s.position, facet.direction));
         float t, width = narrowest / (1.0 - u.y);
         vec2 place = follow(way, fract(u.x + 0.381966 * float(i)), t);
-        vec3 kept = reflectance_at(s, clamp(dot(view, facet), 0.0, 1.0)) * passed_on(view, light, alpha);
-        sum += kept * (t < FAR ? radiance_at(way, place, t, width) : world_radiance(ray.direction));
-        mirrored_share += kept;
+        sum += facet.kept * (t < FAR ? radiance_at(way, place, t, width) : world_radiance(facet.direction));
         if (i == 0) nearest = t;
     }
-    vec3 radiance = sum / float(rays);
-    // What lies under a dielectric was lit as if this were smooth, which mirrors more at grazing angles.
-    if (DIELECTRICS != 0 && s.fresnel == FRESNEL_DIELECTRIC)
-        radiance += (reflectance(s, direction) - mirrored_share / float(rays)) * scattered(s);
-    return Mirrored(radiance, nearest);
+    return Mirrored(sum / float(rays) + uncovered(s, direction, covered / float(rays)), nearest);
 }
