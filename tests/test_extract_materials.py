@@ -163,7 +163,7 @@ def test_other_facets_than_those_of_ggx_are_named(shader):
     shader.link(shader.add("BsdfGlossy")).distribution = "BECKMANN"
     material, found = shader.read()
     assert not material.multiscatter
-    assert any("Beckmann" in note for note in found.notes)
+    assert any("Beckmann" in warning for warning in found.warnings)
 
 
 @pytest.mark.parametrize(
