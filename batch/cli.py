@@ -19,7 +19,7 @@ from ..scenes import SCENES
 from . import jobs, tasks
 from .ending import STOPPED, WRONG, complain, status_of
 from .manual import print_methods
-from .options import PEERS, parse_frames, parse_names, parse_resolution, parse_settings
+from .options import PEERS, parse_against, parse_frames, parse_names, parse_resolution, parse_settings
 from .package import package as build_package
 from .package_wheels import PLATFORMS, PYTHONS
 from .progress import Terminal, blender_on_stderr
@@ -65,27 +65,43 @@ def compare(
     samples: Annotated[
         int | None,
         typer.Option(
-            min=2, help="Cycles' samples a pixel, the methods get a quarter; 64 unlit, 256 cycles, 128 direct."
+            min=1,
+            help="Cycles' samples a pixel, the methods get a quarter; 64 unlit, 256 cycles, 128 direct. "
+            "With --against the methods' own; 1.",
         ),
     ] = None,
-    frames: Annotated[str | None, typer.Option(metavar="A:B", help="Frames; the scene's own unless given.")] = None,
+    frames: Annotated[
+        str | None,
+        typer.Option(metavar="A:B", help="Frames, one after another, with curves and videos; the one the file shows."),
+    ] = None,
+    against: Annotated[
+        str | None,
+        typer.Option(metavar="METHOD", help="Take this method's pictures as the reference in place of Cycles'."),
+    ] = None,
+    videos: Annotated[bool, typer.Option(help="Write a video of every method over several frames.")] = True,
     peers: Annotated[str | None, typer.Option(metavar="A,B", help=f"Rows beside ours: {', '.join(PEERS)}.")] = None,
     settings: Settings = None,
     out: Annotated[Path, typer.Option(metavar="DIR", help="Folder for the report.")] = Path("catoptric-report"),
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows that an earlier run finished.")] = False,
 ) -> int:
-    """Measure methods against Cycles; writes report.html, results.json and the pictures."""
+    """Measure methods against Cycles, or one of them; writes report.html, results.json, pictures and videos."""
     names = parse_names(methods, METHODS, "--methods") if methods is not None else tuple(METHODS)
+    if against is not None:
+        names = parse_against(against, names)
+    elif samples == 1:
+        raise UsageError("--samples 1: a reference of one sample cannot tell its noise; give at least 2")
     job = jobs.Job(
         sources=tuple(locate(scene) for scene in dict.fromkeys(scenes or DEMONSTRATION)),
         settings=parse_settings(settings or (), names),
         lighting=lighting,
-        samples=samples if samples is not None else jobs.SAMPLES[lighting],
+        samples=samples or (1 if against else jobs.SAMPLES[lighting]),
         out=out,
         resolution=parse_resolution(resolution) if resolution is not None else None,
         frames=parse_frames(frames) if frames is not None else None,
         peers=parse_names(peers, PEERS, "--peers") if peers is not None else (),
         resume=resume,
+        against=names[0] if against else None,
+        videos=videos,
     )
     with Terminal() as terminal:
         try:

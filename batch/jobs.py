@@ -1,6 +1,5 @@
 """`compare`: every scene, frame and method down the corridor, kept on disk step by step."""
 
-import time
 from collections.abc import Mapping
 from dataclasses import dataclass
 from pathlib import Path
@@ -11,33 +10,42 @@ from ..addon.cache import Cache
 from ..addon.errors import CatoptricError, SceneError
 from ..addon.methods.contract import Frame
 from ..addon.methods.registry import METHODS
+from ..addon.metrics import PictureError
 from ..addon.parameters import Value
-from ..addon.progress import Progress, part_of, silent
-from ..addon.scene import Lighting, Scene
-from . import plates, searches
+from ..addon.progress import Progress, silent
+from ..addon.scene import Lighting
+from . import films, plates, searches
+from .footage import Footage
 from .judging import Shot, supersampling
 from .machine import check_size, describe, own_version
-from .pictures import plates_folder
+from .pictures import load_picture, plates_folder
 from .progress import Bar, Terminal
 from .report import write_report
 from .results import Result, Results, Skipped, Times
+from .running import Running
 from .sources import Source
 
 SAMPLES = {Lighting.UNLIT: 64, Lighting.CYCLES: 256, Lighting.DIRECT: 128}
 """Cycles' samples a pixel: without light, only edges are noisy."""
 
 _LONGEST_SIDE = 768
-_LEAST_LIGHT = 32  # samples of a texel; denoised, and seen from every pixel around
 _PLATES_SIDE = 3  # samples along a side of a pixel, for pictures that are only looked at
 _LIT, _JUDGED = 0.1, 0.6
-"""Where on a scene's bar the light is ready, and the reference."""
+"""Where on a frame's bar the light is ready, and Cycles' picture."""
+
+_SEARCHED, _MEASURED = 0.01, 0.95
+"""Where on the bar of many frames it is known what moves, and all pictures are there."""
+
+HDR_FRAMES = 6
+"""So many frames are measured by HDR-FLIP as well; more would take too long."""
 
 
 @dataclass(frozen=True)
 class Job:
     """What one `compare` is asked for. None for `resolution` and `frames`: as each scene has it.
 
-    `settings` holds the value of every parameter, by method, in the order of the rows.
+    `settings` holds the value of every parameter, by method, in the order of the rows. `against` is one of these
+    methods, whose picture is then the reference in place of Cycles'. `videos`: methods in several frames are filmed.
     """
 
     sources: tuple[Source, ...]
@@ -49,12 +57,19 @@ class Job:
     frames: tuple[int, ...] | None = None
     peers: tuple[str, ...] = ()
     resume: bool = False
+    against: str | None = None
+    videos: bool = True
+
+    @property
+    def methods(self) -> tuple[str, ...]:
+        """The methods, the one that the others are held against first."""
+        return tuple(sorted(self.settings, key=lambda name: name != self.against))
 
 
 def run(job: Job, terminal: Terminal) -> Results:
     """Do the job; leaves results.json, the pictures and report.html in `job.out`.
 
-    A scene or a method that fails is noted among `skipped`, and the rest goes on. Whatever stops
+    A scene, a frame or a method that fails is noted among `skipped`, and the rest goes on. Whatever stops
     the run, each row that was finished is on disk.
     """
     return _Comparison(job, terminal).run()
@@ -64,29 +79,6 @@ def fitted(resolution: tuple[int, int]) -> tuple[int, int]:
     """`resolution`, shrunk in proportion until no side is longer than 768 pixels."""
     scale = min(1.0, _LONGEST_SIDE / max(resolution))
     return tuple(max(1, round(side * scale)) for side in resolution)
-
-
-def require_reflectors(scene: Scene) -> None:
-    """Raise `SceneError` if nothing in the scene mirrors."""
-    if not scene.reflectors:
-        raise SceneError(
-            f"{scene.name}: nothing reflects here; give an object a metallic or glossy material of low roughness"
-        )
-
-
-def lit(
-    source: Source, scene: Scene, lighting: Lighting, cache: Cache, progress: Progress = silent, samples: int = 256
-) -> Scene:
-    """The scene with what `lighting` needs baked into it, as fine as suits a reference of `samples` a pixel."""
-    has_lightmaps = any(instance.lightmap is not None for instance in scene.instances)
-    if lighting is not Lighting.CYCLES or has_lightmaps:
-        return scene
-    if not source.needs_blender:
-        raise SceneError(f"{source.path.name} holds no lightmaps: export it with --lighting cycles")
-    from ..addon.blender.lightmap import bake_lightmaps
-
-    quality = max(_LEAST_LIGHT, samples // 8)
-    return bake_lightmaps(source.bpy_scene, scene, quality, cache=cache, progress=progress)
 
 
 class _Comparison:
@@ -100,6 +92,7 @@ class _Comparison:
             if damage:
                 terminal.warn(damage)
         self.results.sources |= {name: METHODS[name].source for name in job.settings}
+        self._warned: set[str] = set()
 
     def run(self) -> Results:
         if self.job.resolution:
@@ -115,31 +108,81 @@ class _Comparison:
 
     def _compare(self, source: Source) -> None:
         bar = self.terminal.bar(source.name)
+        footage = Footage(source, self.job.lighting, self.cache, self.job.samples)
         try:
-            for frame in self.job.frames or (source.frame,):
-                self._compare_frame(source, frame, bar)
+            frames = self._frames(footage, bar)
+            if len(frames) == 1:
+                self._compare_frames(footage, frames, bar)
+            else:
+                self._compare_frames(footage, frames, bar.part("", _SEARCHED, _MEASURED))
+                self._film(source, frames, bar.step("videos", _MEASURED, 1.0))
         except CatoptricError as error:
             self._skip(Skipped(source.name, "", str(error), error=True))
         finally:
             bar.finish()
 
-    def _compare_frame(self, source: Source, frame: int, bar: Bar) -> None:
-        missing = [name for name in (*self.job.settings, *self.job.peers) if not self._is_done(source, frame, name)]
+    def _frames(self, footage: Footage, bar: Bar) -> tuple[int, ...]:
+        """The frames to measure; of a scene in which nothing moves the first alone, which all the others repeat."""
+        source, frames = footage.source, self.job.frames or (footage.source.frame,)
+        if len(frames) == 1:
+            return frames
+        first, last = source.span
+        if not source.needs_blender:
+            raise SceneError(f"--frames: {source.path.name} holds frame {first} alone; name the .blend file for more")
+        if frames[0] < first or frames[-1] > last:
+            self._warn(
+                f"{source.name}: frames {frames[0]} to {frames[-1]} go beyond the scene's own, {first} to {last}"
+            )
+        if footage.first_change(frames, bar.step("", 0.0, _SEARCHED)) is None:
+            self._warn(
+                f"{source.name}: neither the camera nor anything else moves from frame {frames[0]} to {frames[-1]}; "
+                f"frame {frames[0]} is measured for all of them"
+            )
+            return frames[:1]
+        return frames
+
+    def _compare_frames(self, footage: Footage, frames: tuple[int, ...], bar: Bar) -> None:
+        """Frame by frame, so that what is there when somebody stops is whole; methods stay prepared in between."""
+        running, before = Running(), None
+        edges = np.linspace(0.0, 1.0, len(frames) + 1)
+        try:
+            for frame, start, end in zip(frames, edges[:-1], edges[1:], strict=True):
+                label = f"frame {frame}" if len(frames) > 1 else ""
+                shooting = _Shooting(footage, running, frame, before, len(frames))
+                self._compare_frame(shooting, bar.part(label, float(start), float(end)))
+                before = frame
+        finally:
+            running.close()
+            self.results.save(self.job.out)
+
+    def _compare_frame(self, shooting: "_Shooting", bar: Bar) -> None:
+        source, frame = shooting.footage.source, shooting.frame
+        missing = [name for name in (*self.job.methods, *self.job.peers) if not self._is_done(source, frame, name)]
         if not missing:
             return
-        shot = self._stage(source, frame, bar)
-        self._judge(source, shot, bar)
-        edges = np.linspace(_JUDGED, 1.0, len(missing) + 1)
+        try:
+            shot = self._stage(shooting, bar)
+        except SceneError as error:
+            self._skip(Skipped(source.name, "", str(error), True, frame, str(self.job.lighting)))
+            return
+        begin = self._judge(source, shot, missing, bar)
+        edges = np.linspace(begin, 1.0, len(missing) + 1)
         for name, start, end in zip(missing, edges[:-1], edges[1:], strict=True):
             row = self._peer if name in self.job.peers else self._method
             try:
-                row(source, shot, name, bar.step(name, float(start), float(end)))
-                if name == plates.PUBLISHED:
-                    self._draw_plates(shot, bar.step("plates", float(end), float(end)))
-                if name in searches.METHODS.values():
-                    searches.follow(shot, self.job.settings[name], self.cache)
+                row(shooting, shot, name, bar.step(name, float(start), float(end)))
+                if shooting.alone or shooting.before is None:
+                    self._explain(shot, name, bar.step("plates", float(end), float(end)))
             except CatoptricError as error:
                 self._skip(self._not_measured(shot, name, str(error), error=True))
+        self.results.save(self.job.out)
+
+    def _explain(self, shot: Shot, name: str, progress: Progress) -> None:
+        """What the page tells of some methods besides their pictures; of many frames, in the first."""
+        if name == plates.PUBLISHED:
+            self._draw_plates(shot, progress)
+        if name in searches.METHODS.values():
+            searches.follow(shot, self.job.settings[name], self.cache)
 
     def _draw_plates(self, shot: Shot, progress: Progress) -> None:
         """The paper's plates of what was measured; without light there is nothing to show."""
@@ -147,25 +190,37 @@ class _Comparison:
         if measured is None or shot.lighting is Lighting.UNLIT:
             return
         folder = plates_folder(shot.name, shot.scene.frame, str(shot.lighting))
-        truths = {} if shot.reference is None else {True: shot.reference}
+        truths = {} if shot.half is None else {True: shot.reference}
         sitting = plates.Sitting(shot.name, shot.scene, shot.lighting, shot.size, min(shot.side, _PLATES_SIDE))
         plates.draw(sitting, self.job.out / folder, truths, progress)
 
-    def _stage(self, source: Source, frame: int, bar: Bar) -> Shot:
-        scene = source.scene(frame, bar.step("scene", 0.0, 0.05))
+    def _stage(self, shooting: "_Shooting", bar: Bar) -> Shot:
+        footage = shooting.footage
+        scene = footage.read(shooting.frame, bar.step("scene", 0.0, 0.05))
         for warning in scene.warnings:
-            self.terminal.warn(f"{source.name}: {warning}")
-        require_reflectors(scene)
+            self._warn(f"{footage.source.name}: {warning}")
         size = self.job.resolution or fitted(scene.resolution)
-        light = bar.step("light", 0.05, _LIT)
-        scene = lit(source, scene, self.job.lighting, self.cache, light, self.job.samples)
-        return Shot(source.name, scene, self.job.lighting, size, self.job.out, supersampling(self.job.samples))
+        return Shot(
+            footage.source.name,
+            footage.light(scene, bar.step("light", 0.05, _LIT)),
+            self.job.lighting,
+            size,
+            self.job.out,
+            supersampling(self.job.samples, self.job.against),
+            against=self.job.against,
+            one_of_many=shooting.count > HDR_FRAMES,
+        )
 
-    def _judge(self, source: Source, shot: Shot, bar: Bar) -> None:
+    def _judge(self, source: Source, shot: Shot, missing: list[str], bar: Bar) -> float:
+        """Have the shot's reference ready, if it is not about to be drawn by a method; how far the bar is then."""
+        if self.job.against:
+            if self.job.against not in missing:
+                self._judge_by_kept(shot)
+            return _LIT
         if not source.needs_blender:
-            reason = "Cycles cannot render an archive: errors need the .blend file"
+            reason = "Cycles cannot render an archive: errors need the .blend file, or a method, with --against"
             self._skip(self._not_measured(shot, "cycles", reason))
-            return
+            return _LIT
         from ..addon.blender.reference import render_reference
 
         reference = render_reference(
@@ -178,8 +233,16 @@ class _Comparison:
             progress=bar.step("reference", _LIT, _JUDGED),
         )
         shot.judge_by(reference.color, reference.half)
+        return _JUDGED
 
-    def _method(self, source: Source, shot: Shot, name: str, progress: Progress) -> None:
+    def _judge_by_kept(self, shot: Shot) -> None:
+        """Take the picture that an earlier run drew with the method that is the reference."""
+        try:
+            shot.reference = load_picture(self.job.out / shot.images(self.job.against).method)
+        except PictureError as error:
+            raise SceneError(str(error)) from None
+
+    def _method(self, shooting: "_Shooting", shot: Shot, name: str, progress: Progress) -> None:
         reflectors = [shot.scene.instances[index] for index in shot.scene.reflectors]
         settings = self.job.settings[name]
         reasons = {each.name: METHODS[name].applies_to(shot.scene, each, settings) for each in reflectors}
@@ -187,37 +250,66 @@ class _Comparison:
         if len(refusals) == len(reasons):
             self._skip(self._not_measured(shot, name, refusals[0]))
             return
-        frame, bake_ms = photograph(shot, name, settings, progress)
-        times = Times(bake_ms, frame.time_ms.get("reflection"), frame.time_ms.get("frame"))
-        self._keep(shot.result(name, frame.color, self._settings(name), times, refusals))
+        taken = shooting.running.take(shot, name, settings, progress, shooting.before)
+        if shooting.alone:
+            shooting.running.leave(name)
+        if taken.anew:
+            anew = f"{name} goes on at frame {shot.scene.frame} with a key frame: it did not draw the frame before"
+            self._warn(f"{shot.name}: {anew}")
+            refusals.append(anew)
+        frame = taken.frame
+        if name == self.job.against:
+            shot.reference = frame.color
+        row = shot.result(name, frame.color, self._settings(name), _times(frame, taken.bake_ms), refusals, frame.reuse)
+        self._keep(row)
 
-    def _peer(self, source: Source, shot: Shot, name: str, progress: Progress) -> None:
+    def _peer(self, shooting: "_Shooting", shot: Shot, name: str, progress: Progress) -> None:
+        source = shooting.footage.source
         if not source.needs_blender:
             raise SceneError("EEVEE cannot render an archive: it needs the .blend file")
         from ..addon.blender.eevee import render_eevee
 
         if shot.mask is None:
-            photograph(shot, next(iter(METHODS)), {}, silent)
+            first = next(iter(METHODS))
+            shooting.running.take(shot, first, {}, silent)
         picture = render_eevee(
             source.bpy_scene, shot.scene, self.job.lighting, *shot.size, cache=self.cache, progress=progress
         )
         times = Times(frame=picture.seconds_per_sample * 1e3)
         self._keep(shot.result(name, picture.color, self._settings(name), times, []))
 
+    def _film(self, source: Source, frames: tuple[int, ...], progress: Progress) -> None:
+        """Films of all methods, if they are wanted."""
+        if not self.job.videos:
+            return
+        rows = [row for row in self.results.results if row.scene == source.name and row.frame in frames]
+        rows = [row for row in rows if row.lighting == str(self.job.lighting)]
+        shown = {*self.job.methods, *self.job.peers} - {self.job.against}  # that one is beside all the others
+        wanted = [row for row in rows if row.method in shown]
+        for path in films.make(wanted, self.job.out, progress):
+            self.terminal.say(f"video: {path}")
+
     def _keep(self, result: Result) -> None:
         self.results.add(result)
-        self.results.save(self.job.out)
         flip = result.over_reflectors.flip
         error = "not judged" if flip is None else f"FLIP {flip:.4f}"
         reflection = result.time_ms.reflection
         cost = "" if reflection is None else f"  reflection {reflection:.1f} ms"
-        self.terminal.say(f"{result.scene:16} frame {result.frame}  {result.method:24} {error}{cost}")
+        reuse = result.reuse
+        share = "" if reuse is None else "  key frame" if reuse.key else f"  retraced {reuse.retraced:.1%}"
+        self.terminal.say(f"{result.scene:16} frame {result.frame}  {result.method:24} {error}{cost}{share}")
 
     def _skip(self, skipped: Skipped) -> None:
         self.results.skip(skipped)
         self.results.save(self.job.out)
         subject = f"{skipped.scene}: {skipped.method}" if skipped.method else skipped.scene
-        self.terminal.warn(f"{subject}: {skipped.reason}")
+        self._warn(f"{subject}: {skipped.reason}")
+
+    def _warn(self, line: str) -> None:
+        """Say it once, however many frames it holds for."""
+        if line not in self._warned:
+            self._warned.add(line)
+            self.terminal.warn(line)
 
     def _not_measured(self, shot: Shot, method: str, reason: str, error: bool = False) -> Skipped:
         return Skipped(shot.name, method, reason, error, shot.scene.frame, str(self.job.lighting))
@@ -236,6 +328,9 @@ class _Comparison:
         )
         if row is None or self.job.resolution not in (None, (row.width, row.height)):
             return False
+        judged = name != self.job.against and (bool(self.job.against) or source.needs_blender)
+        if row.against != (self.job.against if judged else None) or judged != (row.over_frame.flip is not None):
+            return False
         pictures = [self.job.out / row.images.method]
         if row.over_frame.flip is not None:
             pictures.append(self.job.out / row.images.reference)
@@ -243,13 +338,22 @@ class _Comparison:
         return all(picture.is_file() and picture.stat().st_mtime >= changed for picture in pictures)
 
 
-def photograph(shot: Shot, name: str, settings: Mapping[str, Value], progress: Progress) -> tuple[Frame, float]:
-    """The method's picture of the shot, and the milliseconds that its bake took."""
-    method = METHODS[name](settings)
-    start = time.perf_counter()
-    method.prepare(shot.scene, shot.lighting, part_of(progress, 0.0, 0.5))
-    bake_ms = (time.perf_counter() - start) * 1e3
-    try:
-        return shot.take(method, part_of(progress, 0.5, 1.0)), bake_ms
-    finally:
-        method.release()
+@dataclass(frozen=True)
+class _Shooting:
+    """A frame of the `count` that are measured, the one `before` it (None for the first), and who draws."""
+
+    footage: Footage
+    running: Running
+    frame: int
+    before: int | None
+    count: int
+
+    @property
+    def alone(self) -> bool:
+        """Whether it is the only frame: then no method stays prepared after its picture."""
+        return self.count == 1
+
+
+def _times(frame: Frame, bake_ms: float) -> Times:
+    stages = {name: float(time) for name, time in frame.time_ms.items() if name not in ("reflection", "frame")}
+    return Times(bake_ms, frame.time_ms.get("reflection"), frame.time_ms.get("frame"), stages)

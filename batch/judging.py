@@ -7,23 +7,26 @@ from pathlib import Path
 
 import numpy as np
 
-from ..addon.methods.contract import Frame, Method, View
+from ..addon.methods.contract import Frame, Method, Reuse, View
 from ..addon.metrics import Figures, error_maps, exposures_of, noise_maps
 from ..addon.parameters import Value
 from ..addon.progress import Progress, silent
 from ..addon.scene import Lighting, Scene
-from .pictures import image_paths, save_exr, save_images
-from .results import Images, Noise, Result, Times
+from .pictures import image_paths, retraced_path, save_exr, save_images, save_mask
+from .results import Images, Noise, Result, Reused, Times
 
 _LEAST_SIDE, _MOST_SIDE = 2, 16
+_WARM = 16
 
 
-def supersampling(samples: int) -> int:
+def supersampling(samples: int, against: str | None = None) -> int:
     """Samples along a side of a pixel, in a box, beside a reference of `samples` a pixel: a quarter as many in all.
 
     More of one side and more of the other: a bright speck in a curved mirror that few samples miss
-    would otherwise be laid at the method's door.
+    would otherwise be laid at the method's door. Where a method is the reference, `against`, all draw alike.
     """
+    if against:
+        return min(max(1, round(samples**0.5)), _MOST_SIDE)
     return min(max(_LEAST_SIDE, round(samples**0.5 / 2)), _MOST_SIDE)
 
 
@@ -32,8 +35,9 @@ class Shot:
     """A scene under one light at one size, and the folder its pictures go to.
 
     `side` squared are the methods' samples a pixel. `reference` (H, W, 3) float32 and `half`, the same
-    made of one half of its samples, are None where there is nothing to judge by. `mask` (H, W) bool,
-    the pixels that show reflectors, comes with the first frame that a method renders.
+    made of one half of its samples, are None where there is nothing to judge by; the half also where a method,
+    `against`, drew the reference. `mask` (H, W) bool, the pixels that show reflectors, comes with the first frame
+    that a method renders. `one_of_many`: HDR-FLIP is left out, and the methods' pictures are kept in 16 bits a channel.
     """
 
     name: str
@@ -45,6 +49,8 @@ class Shot:
     reference: np.ndarray | None = None
     half: np.ndarray | None = None
     mask: np.ndarray | None = None
+    against: str | None = None
+    one_of_many: bool = False
 
     def take(self, method: Method, progress: Progress = silent) -> Frame:
         """The picture of a prepared method."""
@@ -53,14 +59,23 @@ class Shot:
             self.mask = frame.reflectors >= 0.5
         return frame
 
+    def warm_up(self, method: Method) -> None:
+        """Have drivers compile what they put off until something is drawn, if there is but one sample to be timed."""
+        if self.side == 1:
+            method.render(View(self.scene.camera, _WARM, _WARM, 1))
+
     def images(self, method: str) -> Images:
         """Where the pictures of a method go."""
-        return image_paths(self.name, self.scene.frame, str(self.lighting), method)
+        return image_paths(self.name, self.scene.frame, str(self.lighting), method, self.against)
 
     def judge_by(self, reference: np.ndarray, half: np.ndarray) -> None:
         """Take the reference, and save it in place of an older one."""
         self.reference, self.half = reference, half
         save_exr(self.out / self.images("").reference, reference, self._metadata("cycles"))
+
+    def judges(self, method: str) -> bool:
+        """Whether there is something to hold a method's picture against; not where that is its own."""
+        return self.reference is not None and method != self.against
 
     def result(
         self,
@@ -69,17 +84,22 @@ class Shot:
         settings: Mapping[str, Value],
         time_ms: Times,
         warnings: list[str],
+        reuse: Reuse | None = None,
     ) -> Result:
         """Measure a picture (H, W, 3), save it and its error, and give its row; no figures without a reference."""
-        images = self.images(method)
+        images, judged = self.images(method), self.judges(method)
         over_reflectors, over_frame = Figures(int(self.mask.sum())), Figures(self.mask.size)
-        if self.reference is None:
+        if judged:
+            errors = error_maps(color, self.reference, self._exposures, hdr=not self.one_of_many)
+            over_reflectors, over_frame = errors.over(self.mask), errors.over()
+            metadata = self._metadata(method)
+            save_images(self.out, images, color, self.reference, errors.flip, metadata, self.one_of_many)
+        else:
             images = replace(images, reference=None, flip=None)
             save_exr(self.out / images.method, color, self._metadata(method))
-        else:
-            errors = error_maps(color, self.reference, self._exposures)
-            over_reflectors, over_frame = errors.over(self.mask), errors.over()
-            save_images(self.out, images, color, self.reference, errors.flip, self._metadata(method))
+        if reuse is not None:
+            images = replace(images, retraced=retraced_path(images))
+            save_mask(self.out / images.retraced, reuse.retraced)
         return Result(
             scene=self.name,
             frame=self.scene.frame,
@@ -94,18 +114,20 @@ class Shot:
             images=images,
             noise=self._noise,
             warnings=warnings,
+            reuse=None if reuse is None else Reused(float(reuse.share), bool(reuse.is_key)),
+            against=self.against if judged else None,
         )
 
     @cached_property
     def _exposures(self):
-        return exposures_of(self.reference)
+        return None if self.one_of_many else exposures_of(self.reference)
 
     @cached_property
     def _noise(self) -> Noise | None:
         """The reference's own error, from the two halves that it is the mean of."""
-        if self.reference is None:
+        if self.half is None:
             return None
-        maps = noise_maps(self.half, 2 * self.reference - self.half, self._exposures)
+        maps = noise_maps(self.half, 2 * self.reference - self.half, self._exposures, hdr=not self.one_of_many)
         return Noise(maps.over(self.mask), maps.over())
 
     def _metadata(self, method: str) -> dict[str, str]:

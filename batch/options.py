@@ -43,6 +43,19 @@ def parse_names(text: str, known: Iterable[str], option: str) -> tuple[str, ...]
     return names
 
 
+def parse_against(text: str, methods: Sequence[str]) -> tuple[str, ...]:
+    """The methods of a run with the one named by `--against` first."""
+    named_ones = parse_names(text, METHODS, "--against")
+    if len(named_ones) > 1:
+        raise UsageError(f"--against: {text} are several; name the one method that the others are held against")
+    others = [name for name in methods if name not in named_ones]
+    if not others:
+        raise UsageError(
+            f"--against {named_ones[0]}: there is no other method to hold against it; name one in --methods"
+        )
+    return (*named_ones, *others)
+
+
 def parse_settings(assignments: Sequence[str], methods: Iterable[str]) -> dict[str, dict[str, Value]]:
     """`method.parameter=value` strings as every parameter's value, by method; those not set have their default."""
     given: dict[str, dict[str, str]] = {}

@@ -49,14 +49,27 @@ def load_picture(path: Path) -> np.ndarray:
     return pixels[..., :3]
 
 
-def image_paths(scene: str, frame: int, lighting: str, method: str) -> Images:
-    """Where a result's pictures lie, relative to the folder of the report. The reference is shared by all methods."""
+def image_paths(scene: str, frame: int, lighting: str, method: str, against: str | None = None) -> Images:
+    """Where a result's pictures lie, relative to the folder of the report. The reference is shared by all methods.
+
+    It is the picture of the method `against`, or one of its own.
+    """
     stem = f"images/{_slug(scene)}/{_slug(lighting)}-{frame:04d}"
     return Images(
         method=f"{stem}-{_slug(method)}.exr",
-        reference=f"{stem}-reference.exr",
+        reference=f"{stem}-{_slug(against) if against else 'reference'}.exr",
         flip=f"{stem}-{_slug(method)}-flip.png",
     )
+
+
+def retraced_path(images: Images) -> str:
+    """Where the pixels lie that a method traced anew, relative to the folder of the report."""
+    return images.method.removesuffix(".exr") + "-retraced.png"
+
+
+def film_stem(scene: str, lighting: str, method: str) -> str:
+    """Where the film of a method over many frames lies, without its ending, relative to the folder of the report."""
+    return f"films/{_slug(scene)}/{_slug(lighting)}-{_slug(method)}"
 
 
 def plates_folder(scene: str, frame: int, lighting: str) -> str:
@@ -70,13 +83,42 @@ def searches_path(scene: str, frame: int, lighting: str) -> str:
 
 
 def save_images(
-    directory: Path, images: Images, color: np.ndarray, reference: np.ndarray, flip: np.ndarray, metadata: Mapping
+    directory: Path,
+    images: Images,
+    color: np.ndarray,
+    reference: np.ndarray,
+    flip: np.ndarray,
+    metadata: Mapping,
+    half: bool = False,
 ) -> None:
-    """Write a result's three pictures below `directory`; a reference that is there already is kept."""
-    save_exr(directory / images.method, color, metadata)
+    """Write a result's three pictures below `directory`; a reference that is there already is kept.
+
+    `half` as of `save_exr`, for the method's own.
+    """
+    save_exr(directory / images.method, color, metadata, half)
     if not (directory / images.reference).exists():
         save_exr(directory / images.reference, reference, metadata)
     save_bytes(directory / images.flip, magma(flip))
+
+
+def save_mask(path: Path, mask: np.ndarray) -> None:
+    """Write `mask` (H, W) bool, white where it holds."""
+    save_bytes(path, np.repeat(mask[..., None] * np.uint8(255), 3, axis=-1))
+
+
+def load_mask(path: Path) -> np.ndarray:
+    """(H, W) bool, as `save_mask` wrote it. Raises `PictureError` if it cannot be read."""
+    return load_picture(path)[..., 0] > 127
+
+
+_RED, _VEIL = (215, 25, 30), 0.65
+
+
+def reddened(shown: np.ndarray, mask: np.ndarray) -> np.ndarray:
+    """`shown` (H, W, 3) uint8 under a red veil where `mask` (H, W) holds: the view of Xie et al., figure 7."""
+    picture = shown.astype(np.float32)
+    picture[mask] += _VEIL * (np.float32(_RED) - picture[mask])
+    return np.round(picture).astype(np.uint8)
 
 
 def _write(path: Path, pixels: np.ndarray, kind: str, attributes: Mapping[str, str]) -> None:

@@ -19,6 +19,8 @@ from ..addon.progress import Progress as Callback
 
 VARIABLE = "CATOPTRIC_PROGRESS"
 _INTERVAL_S = 0.1
+_STEADY_S = 300.0
+"""How far back the time left looks: over several frames of a sequence, whose steps are unlike each other."""
 
 
 class Bar:
@@ -27,11 +29,24 @@ class Bar:
     Time left is for the whole bar, so the shares should be near the truth.
     """
 
-    def __init__(self, progress: Progress, task: TaskID, stopped: Event) -> None:
-        """A bar of `progress`, whose task runs from 0 to 1; callbacks raise `Cancelled` once `stopped` is set."""
+    def __init__(
+        self, progress: Progress, task: TaskID, stopped: Event, label: str = "", start: float = 0.0, end: float = 1.0
+    ) -> None:
+        """A bar of `progress`, whose task runs from 0 to 1; callbacks raise `Cancelled` once `stopped` is set.
+
+        It fills the task from `start` to `end`, with `label` before its steps.
+        """
         self._progress = progress
         self._task = task
         self._stopped = stopped
+        self._label, self._start, self._end = label, start, end
+
+    def part(self, label: str, start: float, end: float) -> "Bar":
+        """The bar of larger work, such as a frame of many, that fills this one from `start` to `end`, both 0..1."""
+        return Bar(self._progress, self._task, self._stopped, label, self._at(start), self._at(end))
+
+    def _at(self, fraction: float) -> float:
+        return self._start + (self._end - self._start) * fraction
 
     def step(self, label: str, start: float, end: float) -> Callback:
         """The callback of a step that fills the bar from `start` to `end`, both 0..1."""
@@ -39,8 +54,8 @@ class Bar:
         def report(stage: str, fraction: float) -> None:
             if self._stopped.is_set():
                 raise Cancelled
-            done = start + (end - start) * min(max(fraction, 0.0), 1.0)
-            step = f"{label}: {stage}" if stage else label
+            done = self._at(start + (end - start) * min(max(fraction, 0.0), 1.0))
+            step = ": ".join(filter(None, (self._label, label, stage)))
             self._progress.update(self._task, completed=done, step=step)
             _tell(done, step)
 
@@ -80,6 +95,7 @@ class Terminal:
             console=self.errors,
             disable=not self.errors.is_terminal,
             transient=True,
+            speed_estimate_period=_STEADY_S,
         )
 
     def __enter__(self) -> "Terminal":

@@ -43,23 +43,30 @@ class Machine:
 
 @dataclass(frozen=True)
 class Times:
-    """Milliseconds: baking once, the reflection pass and the whole frame each time. None where not measured."""
+    """Milliseconds: baking once, the reflection pass and the whole frame each time. None where not measured.
+
+    In a sequence, `bake` is what the frame added to what the frames before it had baked. `stages` are those of a
+    method's `Frame`, whatever it names besides.
+    """
 
     bake: float | None = None
     reflection: float | None = None
     frame: float | None = None
+    stages: dict[str, float] = field(default_factory=dict)
 
 
 @dataclass(frozen=True)
 class Images:
     """Paths of pictures relative to the folder of results.json: EXR, EXR and PNG.
 
-    `reference` and `flip` are None where there was nothing to judge by.
+    `reference` and `flip` are None where there was nothing to judge by. `retraced`, a PNG, is white where a method
+    that takes over from earlier frames traced anew; None for all others.
     """
 
     method: str
     reference: str | None
     flip: str | None
+    retraced: str | None = None
 
 
 @dataclass(frozen=True)
@@ -71,8 +78,22 @@ class Noise:
 
 
 @dataclass(frozen=True)
+class Reused:
+    """What a frame took over from an earlier one: all but the share `retraced` of the reflectors' pixels.
+
+    `key`: it was traced whole, for those that follow.
+    """
+
+    retraced: float
+    key: bool
+
+
+@dataclass(frozen=True)
 class Result:
-    """One method in one frame of one scene. Without a reference all figures but `pixels` are None."""
+    """One method in one frame of one scene. Without a reference all figures but `pixels` are None.
+
+    `against` names the method whose picture was the reference; None where Cycles' was, or none.
+    """
 
     scene: str
     frame: int
@@ -87,6 +108,8 @@ class Result:
     images: Images
     noise: Noise | None = None
     warnings: list[str] = field(default_factory=list)
+    reuse: Reused | None = None
+    against: str | None = None
 
 
 @dataclass(frozen=True)

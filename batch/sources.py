@@ -34,7 +34,12 @@ class Archive:
         """The frame that was exported."""
         return self._scene.frame
 
-    def scene(self, frame: int | None = None, progress: Progress = silent) -> Scene:
+    @property
+    def span(self) -> tuple[int, int]:
+        """The first and the last frame."""
+        return self.frame, self.frame
+
+    def scene(self, frame: int | None = None, progress: Progress = silent, before: Scene | None = None) -> Scene:
         """The scene; raises `SceneError` for a frame that the archive does not hold."""
         if frame not in (None, self._scene.frame):
             raise SceneError(f"{self.path.name} holds frame {self._scene.frame} alone; export frame {frame} as well")
@@ -66,13 +71,19 @@ class BlendFile:
         """The frame the file was saved at."""
         return self.bpy_scene.frame_current
 
-    def scene(self, frame: int | None = None, progress: Progress = silent) -> Scene:
-        """What Blender shows at `frame`, the file's own if None; the open file stays at that frame."""
-        from ..addon.blender.extract import extract
+    @property
+    def span(self) -> tuple[int, int]:
+        """The first and the last frame of its timeline."""
+        return self.bpy_scene.frame_start, self.bpy_scene.frame_end
 
-        if frame is not None:
-            self.bpy_scene.frame_set(frame)
-        return extract(self.bpy_scene, progress=progress)
+    def scene(self, frame: int | None = None, progress: Progress = silent, before: Scene | None = None) -> Scene:
+        """What Blender shows at `frame`, the file's own if None; the open file stays at that frame.
+
+        What is as in `before`, the scene at the frame that was asked for last, is the same object.
+        """
+        from ..addon.blender.extract_frames import extract_at
+
+        return extract_at(self.bpy_scene, self.frame if frame is None else frame, before, progress)
 
 
 Source = Archive | BlendFile

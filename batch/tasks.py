@@ -19,7 +19,8 @@ from ..addon.parameters import Value
 from ..addon.scene import Camera, Lighting, Scene
 from ..addon.scene.archive import EXTENSION, save
 from . import plates
-from .jobs import fitted, lit, require_reflectors
+from .footage import lit, require_reflectors
+from .jobs import fitted
 from .judging import supersampling
 from .machine import check_size
 from .options import parse_names

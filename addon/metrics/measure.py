@@ -45,7 +45,7 @@ class ErrorMaps:
     """
 
     flip: np.ndarray
-    flip_hdr: np.ndarray
+    flip_hdr: np.ndarray | None
     ssim: np.ndarray | None
     mae_8bit: np.ndarray
     mse: np.ndarray
@@ -70,7 +70,7 @@ class ErrorMaps:
         return Figures(
             pixels=pixels,
             flip=mean(self.flip),
-            flip_hdr=mean(self.flip_hdr),
+            flip_hdr=mean(self.flip_hdr) if self.flip_hdr is not None else None,
             psnr=-10.0 * log10(mse) if mse > 0.0 else None,
             ssim=mean(self.ssim) if self.ssim is not None else None,
             mae_8bit=mean(self.mae_8bit),
@@ -78,12 +78,15 @@ class ErrorMaps:
         )
 
 
-def error_maps(test: np.ndarray, reference: np.ndarray, exposures: Exposures | None = None) -> ErrorMaps:
+def error_maps(
+    test: np.ndarray, reference: np.ndarray, exposures: Exposures | None = None, hdr: bool = True
+) -> ErrorMaps:
     """Compare two pictures (H, W, 3) of scene-linear radiance.
 
     `exposures` are HDR-FLIP's, `exposures_of(reference)` unless given; methods of one scene share
-    them. Display metrics see the pictures clamped to 0..1 and sRGB-encoded. Raises `PictureError`
-    for shapes that differ and for pixels that are no finite number.
+    them. Without `hdr` it is left out, which takes longer than all the others. Display metrics see the
+    pictures clamped to 0..1 and sRGB-encoded. Raises `PictureError` for shapes that differ and for
+    pixels that are no finite number.
     """
     test, reference = _checked(test, "the method's picture"), _checked(reference, "the reference")
     if test.shape != reference.shape:
@@ -96,7 +99,7 @@ def error_maps(test: np.ndarray, reference: np.ndarray, exposures: Exposures | N
     relative = (test.astype(np.float64) - reference) ** 2 / (reference.astype(np.float64) ** 2 + _DARK)
     return ErrorMaps(
         flip=flip_map(test, reference),
-        flip_hdr=hdr_flip_map(test, reference, exposures or exposures_of(reference)),
+        flip_hdr=hdr_flip_map(test, reference, exposures or exposures_of(reference)) if hdr else None,
         ssim=_ssim_map(shown, expected),
         mae_8bit=steps.mean(axis=-1),
         mse=((shown - expected) ** 2).mean(axis=-1),
@@ -111,7 +114,9 @@ def measure(
     return error_maps(test, reference, exposures).over(mask)
 
 
-def noise_maps(first_half: np.ndarray, second_half: np.ndarray, exposures: Exposures | None = None) -> ErrorMaps:
+def noise_maps(
+    first_half: np.ndarray, second_half: np.ndarray, exposures: Exposures | None = None, hdr: bool = True
+) -> ErrorMaps:
     """What a perfect method would measure, because the reference itself is noisy.
 
     The halves (H, W, 3) are two references of half the samples and different seeds; their mean is
@@ -120,7 +125,7 @@ def noise_maps(first_half: np.ndarray, second_half: np.ndarray, exposures: Expos
     a half against the mean is the mean's own. A difference below it is none.
     """
     first, second = _checked(first_half, "the first half"), _checked(second_half, "the second half")
-    return error_maps(first, 0.5 * (first + second), exposures)
+    return error_maps(first, 0.5 * (first + second), exposures, hdr)
 
 
 def _checked(picture: np.ndarray, name: str) -> np.ndarray:

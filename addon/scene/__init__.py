@@ -6,6 +6,7 @@ from .light import Lamp, LampKind, Lighting, World
 from .material import BLACK, LUMINANCE, ColorSource, Extension, Fresnel, Image, Interpolation, Material, grey
 from .mesh import Instance, Mesh
 from .scene import Scene
+from .sharing import alike, only_seen_from_elsewhere, sharing
 
 __all__ = [
     "BLACK",
@@ -25,9 +26,12 @@ __all__ = [
     "Scene",
     "SensorFit",
     "World",
+    "alike",
     "average",
     "grey",
     "linear",
     "mean_color",
     "mean_roughness",
+    "only_seen_from_elsewhere",
+    "sharing",
 ]

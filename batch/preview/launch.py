@@ -12,7 +12,7 @@ from ...addon.gl import call
 from ...addon.parameters import Value
 from ...addon.scene import Lighting, Scene
 from ...addon.scene.archive import EXTENSION
-from ..jobs import require_reflectors
+from ..footage import require_reflectors
 from ..machine import check_size
 from ..progress import Terminal
 from ..sources import Archive, Source
