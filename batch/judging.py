@@ -16,7 +16,6 @@ from .pictures import image_paths, retraced_path, save_exr, save_images, save_ma
 from .results import Images, Noise, Result, Reused, Times
 
 _LEAST_SIDE, _MOST_SIDE = 2, 16
-_WARM = 16
 
 
 def supersampling(samples: int, against: str | None = None) -> int:
@@ -60,9 +59,13 @@ class Shot:
         return frame
 
     def warm_up(self, method: Method) -> None:
-        """Have drivers compile what they put off until something is drawn, if there is but one sample to be timed."""
+        """Have drivers compile what they put off until something is drawn, if there is but one sample to be timed.
+
+        Of another size, so that no method takes anything over from it.
+        """
+        width, height = self.size
         if self.side == 1:
-            method.render(View(self.scene.camera, _WARM, _WARM, 1))
+            method.render(View(self.scene.camera, width, height + 1, 1))
 
     def images(self, method: str) -> Images:
         """Where the pictures of a method go."""
