@@ -1,22 +1,24 @@
 """The report: one HTML file that shows results, tables and pictures, and needs nothing else."""
 
 from collections.abc import Callable, Iterator
-from dataclasses import dataclass, field
-from functools import cached_property
-from itertools import groupby
+from dataclasses import dataclass, replace
 from math import inf
 from pathlib import Path
 
 import numpy as np
 
-from ..addon.metrics import MAGMA, Figures, PictureError
+from ..addon.metrics import MAGMA, Figures, PictureError, to_bytes
+from .comparisons import Comparison, compared, sequences_of, telling
+from .films import retraced_view
 from .page import templates, texts
 from .pictures import load_picture, plates_folder, searches_path
 from .plates_page import FILE_NAME as PLATES
-from .report_pictures import pack_flip, pack_picture, thumbnail, window_of_interest
-from .results import Result, Results, atomically
+from .published import SEQUENCES, STAGES
+from .report_pictures import jpeg, pack_flip, pack_picture, thumbnail, window_of_interest
+from .results import Result, Results, Skipped, atomically
 from .searches import METHODS as SEARCHES
 from .searches import STEPS, Curve, load
+from .sequences import Sequence
 
 FILE_NAME = "report.html"
 
@@ -68,57 +70,6 @@ COLUMNS = (
 SCOPES = {"over_reflectors": "reflectors", "over_frame": "whole frame"}
 
 
-@dataclass
-class Comparison:
-    """All methods in one frame of one scene under one lighting; pictures are data for the page, by method.
-
-    The reference, where there is one, is the picture of the method "". `plates` is where the page of the paper's
-    plates lies, if there is one; `searches` are the curves of what searched for reflection points.
-    """
-
-    number: int
-    results: list[Result]
-    pictures: dict[str, str] = field(default_factory=dict)
-    flips: dict[str, str] = field(default_factory=dict)
-    thumbnails: dict[str, str] = field(default_factory=dict)
-    problems: list[str] = field(default_factory=list)
-    plates: str | None = None
-    searches: list[Curve] = field(default_factory=list)
-
-    @property
-    def first(self) -> Result:
-        """Any of the results; they share scene, frame, lighting and size."""
-        return self.results[0]
-
-    @cached_property
-    def by_method(self) -> dict[str, Result]:
-        """The results by the name of their method."""
-        return {result.method: result for result in self.results}
-
-    @cached_property
-    def warnings(self) -> list[str]:
-        """What went wrong without stopping a method, each once."""
-        return list(dict.fromkeys([note for result in self.results for note in result.warnings] + self.problems))
-
-    @cached_property
-    def reference(self) -> str | None:
-        """Where the reference lies, None if there was none."""
-        return next(filter(None, (result.images.reference for result in self.results)), None)
-
-    def ranked(self, scope: str) -> list[Result]:
-        """Least FLIP over `scope` first."""
-        return sorted(self.results, key=lambda result: _or_infinite(getattr(result, scope).flip))
-
-    def least(self, scope: str) -> float:
-        """The least FLIP any method reaches."""
-        return min(_or_infinite(getattr(result, scope).flip) for result in self.results)
-
-    def noise(self, scope: str) -> float | None:
-        """FLIP of the reference's own noise, None if nobody measured it."""
-        known = [result.noise for result in self.results if result.noise]
-        return getattr(known[0], scope).flip if known else None
-
-
 def write_report(results: Results, directory: Path, limit: int = EMBEDDED_LIMIT) -> Path:
     """Write report.html into `directory`, where the pictures of `results` lie, and give its path.
 
@@ -127,7 +78,9 @@ def write_report(results: Results, directory: Path, limit: int = EMBEDDED_LIMIT)
     `MachineError` if the file cannot be written.
     """
     directory = Path(directory)
-    comparisons = _comparisons(results.results)
+    every = compared(results.results)
+    sequences = sequences_of(every, directory)
+    comparisons = telling(every, sequences)
     for comparison in comparisons:
         comparison.plates = _plates(comparison.first, directory)
         comparison.searches = _searches(comparison, directory)
@@ -137,7 +90,7 @@ def write_report(results: Results, directory: Path, limit: int = EMBEDDED_LIMIT)
     template = environment.get_template("report.html.j2")
     path = directory / FILE_NAME
     with atomically(path) as temporary, temporary.open("w", encoding="utf-8") as file:
-        file.writelines(template.generate(**_context(results, comparisons)))
+        file.writelines(template.generate(**_context(results, every, comparisons, list(sequences.values()))))
     return path
 
 
@@ -151,20 +104,6 @@ def write_number(value: float | None, digits: int = 4) -> str:
         return f"{value:.1e}"
     shorter = 0 if abs(value) >= 1000 else digits
     return f"{value:.{shorter}f}"
-
-
-def _comparisons(results: list[Result]) -> list[Comparison]:
-    def place(result: Result) -> tuple:
-        return result.scene, result.lighting, result.frame, result.width, result.height
-
-    groups = [list(group) for _, group in groupby(sorted(results, key=place), key=place)]
-    worst_first = sorted(groups, key=_least_error, reverse=True)
-    return [Comparison(number, group) for number, group in enumerate(worst_first, start=1)]
-
-
-def _least_error(group: list[Result]) -> float:
-    """The least FLIP over the reflectors, -1 where nothing was judged: of such scenes nothing is known."""
-    return min((result.over_reflectors.flip for result in group if result.over_reflectors.flip is not None), default=-1)
 
 
 def _plates(result: Result, directory: Path) -> str | None:
@@ -215,6 +154,11 @@ def _load(comparison: Comparison, directory: Path) -> tuple[dict[str, np.ndarray
         if result.images.flip:
             flips[result.method] = _picture(comparison, directory, result.images.flip)
     pictures = {method: picture for method, picture in pictures.items() if picture is not None}
+    comparison.retraced = {
+        method: jpeg(retraced_view(result, directory, to_bytes(pictures[method])))
+        for method, result in comparison.by_method.items()
+        if result.images.retraced and method in pictures
+    }
     flips = {method: pack_flip(flip) for method, flip in flips.items() if flip is not None}
     return pictures, flips
 
@@ -233,29 +177,53 @@ def _picture(comparison: Comparison, directory: Path, path: str) -> np.ndarray |
     return None
 
 
-def _context(results: Results, comparisons: list[Comparison]) -> dict:
-    """What the template is filled with."""
+def _context(
+    results: Results, every: list[Comparison], comparisons: list[Comparison], sequences: list[Sequence]
+) -> dict:
+    """What the template is filled with: `every` view counts, `comparisons` are shown."""
     methods = list(dict.fromkeys(result.method for result in results.results))
     return {
         "results": results,
         "machine": results.machine,
         "methods": methods,
+        "hues": {method: round(360 * (0.1 + index / len(methods))) for index, method in enumerate(methods)},
         "keys": {method: key for key, method in enumerate(["", *methods])},
+        "views": len(every),
+        "judge": _judge(every),
         "comparisons": comparisons,
-        "skipped": sorted(results.skipped, key=lambda skipped: not skipped.error),
+        "sequences": sequences,
+        "skipped": _together(results.skipped),
         "columns": COLUMNS,
         "scopes": SCOPES,
-        "wins": {scope: _wins(comparisons, scope) for scope in SCOPES},
+        "wins": {scope: _wins(every, scope) for scope in SCOPES},
         "settings": {method: list(_settings(results, method)) for method in methods},
         "best_of": _best_of,
         "chart": _chart,
         "steps": STEPS,
+        "published": SEQUENCES,
+        "published_stages": STAGES,
         "magma": [f"#{red:02x}{green:02x}{blue:02x}" for red, green, blue in MAGMA[::17]],
         "palette": "".join(f"{value:02x}" for value in MAGMA.ravel()),
         "style": texts("report.css"),
         "script": texts("pictures.js", "viewer.js", "page.js"),
         "sorting": texts("sorting.js"),
     }
+
+
+def _judge(comparisons: list[Comparison]) -> str:
+    """What the methods are held against, for people."""
+    judges = {comparison.against or "Cycles" for comparison in comparisons if comparison.reference} or {"Cycles"}
+    return judges.pop() if len(judges) == 1 else "the reference"
+
+
+def _together(skipped: list[Skipped]) -> list[tuple[Skipped, list[int]]]:
+    """What was left out for one reason, once, with its frames; failures first."""
+    groups: dict[Skipped, list[int]] = {}
+    for entry in sorted(skipped, key=lambda entry: not entry.error):
+        frames = groups.setdefault(replace(entry, frame=None), [])
+        if entry.frame is not None:
+            frames.append(entry.frame)
+    return [(entry, sorted(frames)) for entry, frames in groups.items()]
 
 
 def _wins(comparisons: list[Comparison], scope: str) -> list[tuple[str, int]]:
@@ -297,7 +265,3 @@ def _chart(comparison: Comparison, scope: str) -> dict:
         row["time_share"] = (row["time"] or 0.0) / most_time
     timed = "reflection pass" if passes else "frame"
     return {"rows": rows, "noise": noise, "noise_share": (noise or 0.0) / most_flip, "timed": timed}
-
-
-def _or_infinite(value: float | None) -> float:
-    return inf if value is None else value

@@ -68,9 +68,14 @@ def thumbnail(linear: np.ndarray) -> str:
     kept = linear[: height // step * step, : width // step * step]
     # Clamped before the mean, else one bright pixel makes a white block.
     small = np.clip(kept, 0.0, 1.0).reshape(height // step, step, -1, step, 3).mean(axis=(1, 3))
+    return jpeg(to_bytes(small))
+
+
+def jpeg(shown: np.ndarray) -> str:
+    """A picture (H, W, 3) uint8 as a JPEG in a data URL."""
     with tempfile.TemporaryDirectory() as folder:
-        path = Path(folder) / "thumbnail.jpg"
-        save_bytes(path, to_bytes(small))
+        path = Path(folder) / "picture.jpg"
+        save_bytes(path, shown)
         return "data:image/jpeg;base64," + b64encode(path.read_bytes()).decode()
 
 

@@ -27,6 +27,16 @@ def add_camera(scene, location, rotation, **settings):
     return camera
 
 
+def fly(scene, frames=40, way=(2.0, 0.0, 0.0)):
+    """Let the scene's camera move by `way` from frame 1 to `frames`, its timeline's last."""
+    camera, begin = scene.camera, scene.camera.location.copy()
+    for frame, share in ((1, 0.0), (frames, 1.0)):
+        camera.location = [at + share * by for at, by in zip(begin, way, strict=True)]
+        camera.keyframe_insert("location", frame=frame)
+    scene.frame_start, scene.frame_end = 1, frames
+    scene.frame_set(1)
+
+
 def add_mesh(scene, name, positions, faces, material=None, location=(0, 0, 0), smooth=False):
     data = bpy.data.meshes.new(name)
     data.from_pydata([tuple(map(float, p)) for p in positions], [], [tuple(map(int, f)) for f in faces])

@@ -18,7 +18,7 @@ from catoptric.addon.methods.registry import METHODS
 from catoptric.batch.cli import main
 from catoptric.batch.pictures import load_picture
 
-from .blender_stage import add_box, add_camera, add_plane, add_sphere, empty_scene, principled
+from .blender_stage import add_box, add_camera, add_plane, add_sphere, empty_scene, fly, principled
 
 SIZE = "48x32"
 QUICK = ["--resolution", SIZE, "--samples", "2", "--methods", "environment-map,layered-depth"]
@@ -47,6 +47,13 @@ def blend(tmp_path_factory) -> Path:
     """A .blend file that is all right."""
     stage()
     return save(tmp_path_factory.mktemp("scenes") / "stage.blend")
+
+
+@pytest.fixture(scope="session")
+def flight(tmp_path_factory) -> Path:
+    """The same with a camera that moves over 40 frames."""
+    fly(stage())
+    return save(tmp_path_factory.mktemp("scenes") / "flight.blend")
 
 
 @pytest.fixture(scope="session")
@@ -99,7 +106,7 @@ def test_compare_writes_rows_pictures_and_a_page(blend, tmp_path):
         assert row["over_frame"]["pixels"] == 48 * 32
         assert 0 < row["over_reflectors"]["pixels"] < 48 * 32
         assert row["time_ms"]["reflection"] > 0.0
-        for picture in row["images"].values():
+        for picture in filter(None, row["images"].values()):
             assert load_picture(tmp_path / picture).shape == (32, 48, 3)
     errors = {row["method"]: row["over_reflectors"]["flip"] for row in written["results"]}
     assert errors["layered-depth"] < 0.5 * errors["environment-map"]
@@ -120,8 +127,8 @@ def test_resume_keeps_what_is_done_and_measures_what_is_not(blend, tmp_path):
     assert sizes["environment-map"] == 32
 
 
-def test_ctrl_c_keeps_finished_rows_and_resume_goes_on(blend, tmp_path):
-    arguments = ["compare", blend, "--out", tmp_path, "--resolution", SIZE, "--samples", "2", "--frames", "1:40"]
+def test_ctrl_c_keeps_finished_rows_and_resume_goes_on(flight, tmp_path):
+    arguments = ["compare", flight, "--out", tmp_path, "--resolution", SIZE, "--samples", "2", "--frames", "1:40"]
     arguments += ["--methods", "environment-map"]
     process = start(*arguments)
     deadline = time.monotonic() + 60
@@ -136,6 +143,7 @@ def test_ctrl_c_keeps_finished_rows_and_resume_goes_on(blend, tmp_path):
     assert "Traceback" not in said
     finished = {row["frame"] for row in results_in(tmp_path)["results"]}
     assert 0 < len(finished) < 40
+    assert (tmp_path / "report.html").is_file()
     last = max(finished) + 1
     assert main([*map(str, arguments), "--frames", f"1:{last}", "--resume"]) == 0
     assert {row["frame"] for row in results_in(tmp_path)["results"]} == set(range(1, last + 1))
@@ -228,6 +236,10 @@ def test_help_explains(command, capsys):
         (["compare", "--samples", "many"], "--samples"),
         (["compare", "--samples", "0"], "--samples"),
         (["compare", "--frames", "9:1"], "1:10"),
+        (["compare", "--against", "magic"], "layered-depth"),
+        (["compare", "--against", "layered-depth", "--methods", "layered-depth"], "no other method"),
+        (["compare", "--against", "layered-depth,planar"], "one method"),
+        (["compare", "--samples", "1"], "at least 2"),
         (["compare", "--peers", "unity"], "eevee"),
         (["compare", "--set", "environment-map.size=0"], "16"),
         (["compare", "--set", "environment-map.colour=1"], "size"),

@@ -1,0 +1,275 @@
+"""Methods over many frames: curves, and what they come to."""
+
+from collections.abc import Callable, Iterable
+from dataclasses import dataclass
+from functools import cached_property
+from itertools import pairwise
+from math import ceil, floor, inf, log10
+
+from .results import Result
+
+BASELINE = "ray-traced"
+"""The method that others are to be faster than."""
+
+SHOWN_WHOLE = 6
+"""Of so many frames each is shown; of more, those that tell most."""
+
+_MOST_WORST = 4
+
+Value = Callable[[Result], float | None]
+
+
+@dataclass(frozen=True)
+class Line:
+    """A method's curve: runs of points in a box, as an SVG has them, broken where nothing was measured.
+
+    `keys` are the points of key frames.
+    """
+
+    method: str
+    runs: list[str]
+    keys: list[tuple[str, str]]
+
+
+@dataclass(frozen=True)
+class Chart:
+    """Curves of several methods over one axis of frames; `ticks` are heights in the box, 0 at the top, and labels."""
+
+    title: str
+    lines: list[Line]
+    ticks: list[tuple[str, str]]
+
+
+@dataclass(frozen=True)
+class Span:
+    """The most, the least and the mean of what was measured over the frames; None where nothing was."""
+
+    most: float | None = None
+    least: float | None = None
+    mean: float | None = None
+
+
+@dataclass(frozen=True)
+class Row:
+    """What one method comes to over a sequence (Xie et al., Table 1).
+
+    `fps` pictures a second (the mean is frames over time), `frame` and `reflection` mean milliseconds, `speedup` over
+    the baseline, `interval` frames from key frame to key frame, `retraced` the mean share of the reflectors' pixels
+    between key frames, `traced` that over all frames.
+    """
+
+    method: str
+    frames: int
+    fps: Span
+    frame: float | None
+    reflection: float | None
+    speedup: float | None
+    interval: Span
+    retraced: float | None
+    traced: float | None
+
+
+@dataclass(eq=False)
+class Sequence:
+    """All that was measured in the frames of a scene under one light, at one size, against one judge.
+
+    `series` is what its views have in common, `films` lie where it says for a method, relative to the page.
+    """
+
+    number: int
+    series: tuple
+    results: list[Result]
+    films: dict[str, str]
+
+    @property
+    def first(self) -> Result:
+        """Any of the results."""
+        return self.results[0]
+
+    @cached_property
+    def by_method(self) -> dict[str, list[Result]]:
+        """Each method's results, by frame."""
+        ordered = sorted(self.results, key=lambda result: result.frame)
+        names = dict.fromkeys(result.method for result in self.results)
+        return {name: [result for result in ordered if result.method == name] for name in names}
+
+    @cached_property
+    def frames(self) -> list[int]:
+        """The frames that anything was measured in."""
+        return sorted({result.frame for result in self.results})
+
+    @cached_property
+    def against(self) -> str | None:
+        """The method that is the reference, None if Cycles is, or nothing."""
+        return next((result.against for result in self.results if result.against), None)
+
+    @cached_property
+    def reusing(self) -> list[str]:
+        """The methods that take over from earlier frames."""
+        return [name for name, rows in self.by_method.items() if any(row.reuse for row in rows)]
+
+    @cached_property
+    def baseline(self) -> str | None:
+        """What speed is held against: ray tracing, else the method that is the reference."""
+        return next((name for name in (BASELINE, self.against) if name in self.by_method), None)
+
+    @cached_property
+    def warnings(self) -> list[str]:
+        """What went wrong without stopping a method, each once."""
+        return list(dict.fromkeys(note for result in self.results for note in result.warnings))
+
+    def reflectors(self) -> Span:
+        """The share of the picture that shows reflectors."""
+        counted = {row.frame: row.over_reflectors.pixels / (row.width * row.height) for row in self.results}
+        return _span(counted.values())
+
+    def mean_of(self, method: str, scope: str, figure: str) -> float | None:
+        """The mean of one of the `Figures` over a method's frames."""
+        return _span(getattr(getattr(row, scope), figure) for row in self.by_method.get(method, ())).mean
+
+    def rows(self, scope: str) -> list[Row]:
+        """What the methods come to, the one with the least error over `scope` first."""
+        errors = {method: self.mean_of(method, scope, "flip") for method in self.by_method}
+        ranked = sorted(errors, key=lambda method: inf if errors[method] is None else errors[method])
+        return [self._row(method, self.by_method[method]) for method in ranked]
+
+    def _timed(self, rows: list[Result]) -> list[Result]:
+        """Without the sequence's first frame, which is slow in ways that no other is."""
+        return [row for row in rows if row.frame != self.frames[0]] or rows
+
+    def _row(self, method: str, rows: list[Result]) -> Row:
+        timed = self._timed(rows)
+        frame = _span(row.time_ms.frame for row in timed)
+        lengths = _intervals(rows)
+        return Row(
+            method=method,
+            frames=len(rows),
+            fps=Span(*(1e3 / ms if ms else None for ms in (frame.least, frame.most, frame.mean))),
+            frame=frame.mean,
+            reflection=_span(row.time_ms.reflection for row in timed).mean,
+            speedup=self._speedup(timed),
+            interval=_span(lengths),
+            retraced=_span(row.reuse.retraced for row in rows if row.reuse and not row.reuse.key).mean,
+            traced=_span(1.0 if row.reuse.key else row.reuse.retraced for row in rows if row.reuse).mean,
+        )
+
+    def _speedup(self, timed: list[Result]) -> float | None:
+        """How many times as long the baseline takes for the same frames."""
+        slow = {row.frame: row.time_ms.frame for row in self.by_method.get(self.baseline, ())}
+        pairs = [(slow.get(row.frame), row.time_ms.frame) for row in timed]
+        pairs = [(theirs, ours) for theirs, ours in pairs if theirs and ours]
+        return sum(theirs for theirs, _ in pairs) / sum(ours for _, ours in pairs) if pairs else None
+
+    def stages(self) -> list[tuple[str, dict[str, float]]]:
+        """Mean milliseconds of every stage by method, as they are drawn, and in all (Xie et al., Table 2)."""
+        stages: dict[str, dict[str, float]] = {}
+        for method, rows in self.by_method.items():
+            timed = [row.time_ms.stages for row in self._timed(rows)]
+            for stage in dict.fromkeys(name for times in timed for name in times):
+                # A stage that only some frames have, such as a key frame's, still is a part of the mean frame.
+                stages.setdefault(stage, {})[method] = sum(times.get(stage, 0.0) for times in timed) / len(timed)
+        for title, name in (("reflection pass", "reflection"), ("whole frame", "frame")):
+            means = {
+                method: _span(getattr(row.time_ms, name) for row in self._timed(rows)).mean
+                for method, rows in self.by_method.items()
+            }
+            stages[title] = {method: mean for method, mean in means.items() if mean is not None}
+        return list(stages.items())
+
+    def charts(self, scope: str, width: float, height: float) -> list[Chart]:
+        """The curves of error over `scope`, in boxes of that size."""
+        figures = {"FLIP": "flip", "mean absolute difference, of 255": "mae_8bit"}
+        charts = [
+            self._chart(title, lambda row, name=name: getattr(getattr(row, scope), name), width, height)
+            for title, name in figures.items()
+        ]
+        return [chart for chart in charts if chart.lines]
+
+    def cost_charts(self, width: float, height: float) -> list[Chart]:
+        """The curves of time and of what was retraced."""
+        charts = [
+            self._chart("frame, ms", lambda row: row.time_ms.frame, width, height, timed=True),
+            self._chart("reflection pass, ms", lambda row: row.time_ms.reflection, width, height, timed=True),
+            self._chart(
+                "retraced, % of the reflectors' pixels (○ key frame)",
+                lambda row: None if row.reuse is None else 100.0 * row.reuse.retraced,
+                width,
+                height,
+            ),
+        ]
+        return [chart for chart in charts if chart.lines]
+
+    def across(self, frame: int, width: float) -> float:
+        """Where a frame stands on an axis of that length."""
+        return width * (frame - self.frames[0]) / max(1, self.frames[-1] - self.frames[0])
+
+    def _chart(self, title: str, value: Value, width: float, height: float, timed: bool = False) -> Chart:
+        chosen = {name: self._timed(rows) if timed else rows for name, rows in self.by_method.items()}
+        measured = {name: [(row, value(row)) for row in rows] for name, rows in chosen.items()}
+        top = _ceiling(
+            max((found for rows in measured.values() for _, found in rows if found is not None), default=0.0)
+        )
+        lines = [self._line(name, rows, top, width, height) for name, rows in measured.items()]
+        ticks = [(f"{height * (1.0 - share):.1f}", f"{top * share:.4g}") for share in (0.0, 0.5, 1.0)]
+        return Chart(title, [line for line in lines if line.runs], ticks)
+
+    def _line(
+        self, name: str, rows: list[tuple[Result, float | None]], top: float, width: float, height: float
+    ) -> Line:
+        runs: list[list[str]] = [[]]
+        keys, expected = [], None
+        for row, found in rows:
+            if found is None or row.frame != expected:
+                runs.append([])
+            expected = row.frame + 1
+            if found is None:
+                continue
+            x, y = f"{self.across(row.frame, width):.1f}", f"{height * (1.0 - found / top):.1f}"
+            runs[-1].append(f"{x},{y}")
+            if row.reuse is not None and row.reuse.key:
+                keys.append((x, y))
+        # A point alone is a line to itself, else nothing would show.
+        return Line(name, [" ".join(run if len(run) > 1 else run * 2) for run in runs if run], keys)
+
+    def telling(self) -> dict[int, list[str]]:
+        """The frames to show, and why each; all of them where there are few."""
+        if len(self.frames) <= SHOWN_WHOLE:
+            return {frame: [] for frame in self.frames}
+        shown: dict[int, list[str]] = {self.frames[0]: ["the first"], self.frames[-1]: ["the last"]}
+        for method in list(self.by_method)[: _MOST_WORST + 1]:
+            worst = max(self.by_method[method], key=lambda row: row.over_reflectors.flip or 0.0)
+            if worst.over_reflectors.flip:
+                shown.setdefault(worst.frame, []).append(f"the worst of {method}")
+        for before, key in self._key_after_reuse():
+            shown.setdefault(before.frame, []).append(f"before a key frame of {before.method}")
+            shown.setdefault(key.frame, []).append(f"a key frame of {key.method}")
+        return dict(sorted(shown.items()))
+
+    def _key_after_reuse(self) -> list[tuple[Result, Result]]:
+        """The first key frame that follows a frame which took something over, and that frame before it."""
+        rows = [row for name in self.reusing[:1] for row in self.by_method[name] if row.reuse]
+        return [(old, new) for old, new in pairwise(rows) if new.reuse.key and not old.reuse.key][:1]
+
+
+def _span(values: Iterable[float | None]) -> Span:
+    known = [value for value in values if value is not None]
+    return Span(max(known), min(known), sum(known) / len(known)) if known else Span()
+
+
+def _intervals(rows: list[Result]) -> list[int]:
+    """How many frames each key frame serves, itself among them; the end of the sequence cuts the last one short."""
+    lengths: list[int] = []
+    for row in rows:
+        if row.reuse is not None and (row.reuse.key or not lengths):
+            lengths.append(0)
+        if row.reuse is not None:
+            lengths[-1] += 1
+    return lengths
+
+
+def _ceiling(most: float) -> float:
+    """The next round number, 1 for 0."""
+    if most <= 0.0:
+        return 1.0
+    unit = 10.0 ** floor(log10(most))
+    return next(step * unit for step in (1.0, 2.0, 5.0, 10.0) if ceil(most / unit * (1 - 1e-9)) <= step)
