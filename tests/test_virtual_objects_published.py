@@ -12,9 +12,12 @@ from catoptric.addon.gl import on_gl_thread
 from catoptric.addon.methods.contract import View
 from catoptric.addon.methods.mixed import Mixed
 from catoptric.addon.methods.virtual_convergence import reflection_points
+from catoptric.addon.methods.virtual_meshes import shares_of
 from catoptric.addon.methods.virtual_objects_published import VirtualObjectsPublished
 from catoptric.addon.metrics import error_maps
 from catoptric.addon.scene import Lighting
+from hypothesis import given
+from hypothesis import strategies as st
 
 from .mirror_stage import apart, frame_of, pane, truth
 from .stage import Judge, camera_rays, looking, mesh_of, mirrored, placed, scene_of
@@ -176,6 +179,21 @@ def test_the_grid_is_close_to_every_vertex():
 
 def test_the_grid_shows_what_embree_sees_but_for_edges():
     assert wrong(beside_a_ball(6), {"grid": 10}) < 0.015
+
+
+@given(st.lists(st.integers(1, 3000), min_size=1, max_size=20), st.sampled_from([0.041, 0.1, 0.5]))
+def test_meshes_share_what_is_searched(counts, share):
+    """Small ones are searched whole, but never so many that the others have less than three quarters of it."""
+    shares, counts = shares_of(counts, share), np.array(counts)
+    whole = shares == 1.0
+    assert (shares @ counts <= share * counts.sum() * (1.0 + 1e-9)) | whole.all()
+    assert (shares[~whole] >= 0.75 * share).all()
+    assert counts[whole].sum() <= 0.25 * share * counts.sum()
+    assert (counts[whole] * share < 27).all()
+
+
+def test_a_coarse_floor_is_searched_whole_beside_dense_meshes():
+    np.testing.assert_allclose(shares_of([7958, 97, 7958], 0.1) * [7958, 97, 7958], [752.15, 97.0, 752.15])
 
 
 def test_more_steps_show_more_of_it_right():

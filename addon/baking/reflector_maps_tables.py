@@ -32,6 +32,7 @@ class ResidentMaps:
         self._uniforms = self._by_part(first)
         self._texels = DataTexture(texels)
         self._numbers = DataTexture(_numbers(scene, maps))
+        self._rows: DataTexture | None = None
 
     def _by_part(self, first: Sequence[int]) -> dict[str, np.ndarray]:
         """The uniforms of gpu_shaders/virtual that say which part it is, a row for each."""
@@ -42,6 +43,7 @@ class ResidentMaps:
         return {
             "part_maps": np.array(sizes, np.int32),
             "part_reaches": np.array([one.reach for one in self.maps], np.float32),
+            "part_bends": np.array([-1.0 if self.is_concave([n + 1]) else 1.0 for n in range(len(self.maps))], "f4"),
             "part_to_world": np.ascontiguousarray(matrices.transpose(0, 2, 1), np.float32),
             "ball_to_part": np.ascontiguousarray(balls.transpose(0, 2, 1), np.float32),
             "world_to_ball": np.ascontiguousarray(
@@ -100,6 +102,23 @@ class ResidentMaps:
             if name in shader:
                 shader[name].write(values[rows].tobytes())
 
+    def bind_rows(self, shader: moderngl.Program, unit: int) -> None:
+        """Have a shader that is compiled with MANY_PARTS choose parts by itself, by a table on a texture unit."""
+        if self._rows is None:
+            self._rows = DataTexture(self._by_row())
+        self._rows.use(unit)
+        shader["part_rows"] = unit
+
+    def _by_row(self) -> np.ndarray:
+        """(8 P, 4) float32: first texel in two numbers, size, faces | to the world | of normals; reach and bend."""
+        rows = np.zeros((len(self.maps), 8, 4), np.float32)
+        first, size, faces = self._uniforms["part_maps"].T
+        rows[:, 0] = np.stack([first >> 12, first & 4095, size, faces], axis=1)
+        rows[:, 1:5] = self._uniforms["part_to_world"]
+        rows[:, 5:, :3] = self._uniforms["normal_to_world"]
+        rows[:, 5, 3], rows[:, 6, 3] = self._uniforms["part_reaches"], self._uniforms["part_bends"]
+        return rows.reshape(-1, 4)
+
     @property
     def size_bytes(self) -> int:
         """What the tables take on the GPU."""
@@ -107,8 +126,9 @@ class ResidentMaps:
 
     def release(self) -> None:
         """Give the memory back."""
-        self._texels.release()
-        self._numbers.release()
+        for table in (self._texels, self._numbers, self._rows):
+            if table:
+                table.release()
 
 
 def _texels(maps: Sequence[ReflectorMap]) -> tuple[list[int], np.ndarray]:

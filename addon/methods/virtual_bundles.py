@@ -34,12 +34,18 @@ class Bundle:
 
     def reaches(self, centres: np.ndarray, radii: np.ndarray) -> np.ndarray:
         """(N,) bool: whether a ray may meet each of the balls of `centres` (N, 3) and `radii` (N,)."""
-        ways = centres - self.centre
-        away = np.linalg.norm(ways, axis=1)
-        near = radii + self.radius
-        cosine = (ways @ self.axis) / np.maximum(away, 1e-30)
-        widened = self.spread + np.arcsin(np.clip(near / np.maximum(away, 1e-30), 0.0, 1.0))
-        return (away <= near) | (np.arccos(np.clip(cosine, -1.0, 1.0)) <= widened)
+        return may_meet(self.centre, self.radius, self.axis, self.spread, centres, radii)
+
+
+def may_meet(
+    centre: np.ndarray, radius: np.ndarray, axis: np.ndarray, spread: np.ndarray, centres: np.ndarray, radii: np.ndarray
+) -> np.ndarray:
+    """(N,) bool: whether rays as of a bundle's, of one or of N of them, may meet N balls."""
+    ways = centres - centre
+    away = np.maximum(np.sqrt((ways * ways).sum(axis=-1)), 1e-30)
+    near = radii + radius
+    widened = spread + np.arcsin(np.minimum(near / away, 1.0))
+    return (away <= near) | (np.arccos(np.clip((ways * axis).sum(axis=-1) / away, -1.0, 1.0)) <= widened)
 
 
 class Run(NamedTuple):

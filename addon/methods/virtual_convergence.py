@@ -13,7 +13,6 @@ from ..drawing import world_box, world_to_clip
 from ..gl import feedback, on_gl_thread, require
 from ..parameters import Value
 from ..scene import Scene
-from ..tracing import Curvature
 from .virtual_bundles import SAMPLES
 from .virtual_rays import MAPS_UNIT, eye_of
 
@@ -181,8 +180,7 @@ def reflection_points(
     shader = feedback(stages, ("reached",), {"ORDER": 1, "PUBLISHED": int(published)})
     maps.bind(shader, MAPS_UNIT)
     maps.choose(shader, (number,))
-    concave = maps.maps[number - 1].part.curvature is Curvature.CONCAVE
-    given = {"eye": tuple(eye), "steps": steps, "threshold": 0.0, "first_step": -1.0 if concave else 1.0}
+    given = {"eye": tuple(eye), "steps": steps, "threshold": 0.0}
     for name, value in given.items():
         if name in shader:
             shader[name] = value

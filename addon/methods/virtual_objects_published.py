@@ -45,6 +45,17 @@ GRID = Parameter(
     maximum=100.0,
     section="Estalella et al., 5",
 )
+REFINE = Parameter(
+    "refine",
+    "Refine until",
+    0.0,
+    "Cells are cut, view by view, until what lies in their middles is shown no farther than this from where it "
+    "belongs; 0 keeps to grids of equal cells, as published",
+    unit="pixels",
+    minimum=0.0,
+    maximum=100.0,
+    section="Estalella et al., 8",
+)
 CUT = Parameter(
     "cut",
     "Piece size",
@@ -74,7 +85,9 @@ class VirtualObjectsPublished(DeferredMethod):
     has the length 1, and backwards on concave parts, whose normals turn the other way; a step that changes the vector
     by more than its own length, or passes a body's horizon, is taken again, and the next is as long as would change it
     by half. Reflectors fall into parts by themselves, and parts out of sight, or objects that no ray of a part can
-    meet, are not searched.
+    meet, are not searched. A mesh too small for a grid of its own is searched whole, if a quarter of all searches is
+    enough for these. *Refine until* is the level-of-detail grid that the paper leaves to future work: cells in cells
+    are cut where their middles are not yet where they belong on the screen.
 
     Outputs: as every method.
 
@@ -87,7 +100,7 @@ class VirtualObjectsPublished(DeferredMethod):
 
     name = "virtual-objects-published"
     source = "Estalella et al. 2005: vertices searched in midpoint steps through maps of the reflector"
-    parameters = (STEPS, THRESHOLD, GRID, CUT, SIZE, FINER, SPREAD, CUBE_SIZE)
+    parameters = (STEPS, THRESHOLD, GRID, REFINE, CUT, SIZE, FINER, SPREAD, CUBE_SIZE)
     shader = "virtual_published/virtual_objects_published.frag"
 
     def bake(self, progress: Progress) -> None:
@@ -96,14 +109,16 @@ class VirtualObjectsPublished(DeferredMethod):
         self._maps = ResidentMaps(self.scene, maps)
         instances = enumerate(self.scene.instances)
         shown = [index for index, one in instances if one.in_reflections and not one.reflector]
-        self._meshes = VirtualMeshes(self.scene, shown, self.settings["grid"] / 100.0, self.settings["cut"])
+        grid, cut, refine = self.settings["grid"] / 100.0, self.settings["cut"], self.settings["refine"]
+        self._meshes = VirtualMeshes(self.scene, shown, grid, cut, refine > 0.0)
         self._cubes = EnvironmentCubes(self.resident, self.settings["size"], frozenset(shown), self.reflectors)
         self._pictures: WeakKeyDictionary[Visibility, VirtualPicture] = WeakKeyDictionary()
 
     def reflect(self, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
         """Search and draw the virtual meshes, anew for each sample as for each frame, and show them."""
         if seen not in self._pictures:
-            self._pictures[seen] = VirtualPicture(self.resident, self._maps, self._meshes, seen)
+            within = self.settings["refine"]
+            self._pictures[seen] = VirtualPicture(self.resident, self._maps, self._meshes, within, seen)
         picture = self._pictures[seen]
         picture.draw(view, seen, sample["offset"], self.settings["steps"], self.settings["threshold"])
         picture.met.use(MET_UNIT)

@@ -11,19 +11,20 @@ from ..drawing import Resident, Visibility, world_to_clip
 from ..gl import program, require
 from ..gl.textures import WIDTH as ROW
 from ..scene import Camera, Scene
-from ..tracing import Curvature
 from .contract import View
 from .situation import placed
 from .virtual_bundles import Bundle, Run, bundles_of
-from .virtual_meshes import TABLES, VirtualMeshes
+from .virtual_meshes import TABLES, Grid, VirtualMeshes
 from .virtual_rays import AFTER_RAYS, MAPS_UNIT, MirroredRays, eye_of, read
+from .virtual_refining import TABLES as REFINED_TABLES
+from .virtual_refining import Refining
 from .virtual_scene import runs_of
 
 _MOST_RESULTS = 1 << 22
 """Of one batch: 64 MiB."""
 
 _RESULTS_UNIT = AFTER_RAYS
-_MESHES_UNIT = _RESULTS_UNIT + 1
+_MESHES_UNIT = _RESULTS_UNIT + REFINED_TABLES
 MET_UNIT = _MESHES_UNIT + TABLES
 """What is seen in the reflectors is on this texture unit."""
 
@@ -31,18 +32,24 @@ MET_UNIT = _MESHES_UNIT + TABLES
 class VirtualPicture:
     """What a picture's reflectors show of virtual meshes. Lives on the GL thread.
 
-    `met` holds (instance + 1, triangle, barycentrics) a pixel, 0 where no virtual mesh is.
+    `met` holds (instance + 1, triangle, barycentrics) a pixel, 0 where no virtual mesh is; `searches` counts the points
+    of the last call of `find`.
     """
 
-    def __init__(self, resident: Resident, maps: ResidentMaps, meshes: VirtualMeshes, seen: Visibility) -> None:
-        """Compile, and make targets of the size of what is `seen`, for the reflectors there."""
+    def __init__(
+        self, resident: Resident, maps: ResidentMaps, meshes: VirtualMeshes, within: float, seen: Visibility
+    ) -> None:
+        """Compile, and make targets of the size of what is `seen`, for the reflectors there.
+
+        `within`: pixels that a refined grid's cells may be off in their middles.
+        """
         self._maps, self._meshes, self._scene = maps, meshes, resident.scene
         self._rays = MirroredRays("virtual/rays.frag", resident, maps, seen)
         self._search = program("virtual_published/search.vert", "virtual_published/search.frag", {"ORDER": 1})
         self._draw = program(
             "virtual_published/mesh.vert",
             "virtual_published/mesh.frag",
-            {"GRID": int(meshes.has_grid)},
+            {"GRID": meshes.grid.value},
             geometry="virtual_published/mesh.geom",
         )
         self._points, self._triangles = meshes.by_point(self._search), meshes.by_triangle(self._draw)
@@ -52,6 +59,8 @@ class VirtualPicture:
         self._depth = context.depth_renderbuffer(seen.size)
         self._target = context.framebuffer([self.met], self._depth)
         self._results = self._results_target = None
+        self.searches = 0
+        self._refining = Refining(maps, meshes.forest, within) if meshes.grid is Grid.REFINED else None
 
     def draw(self, view: View, seen: Visibility, offset: tuple[float, float], steps: int, threshold: float) -> None:
         """Search and draw what the reflectors of one sample show; `offset` of it within the pixel."""
@@ -78,9 +87,13 @@ class VirtualPicture:
 
     def find(self, view: View, runs: Sequence[Run], steps: int, threshold: float) -> None:
         """Search the virtual vertices of some runs."""
+        if self._refining:
+            self._refining.find(view, runs, steps, threshold, _MESHES_UNIT)
+            self.searches = self._refining.searches
+            return
         last, shader = runs[-1], self._search
-        height = -(-(last.result + int(self._meshes.points[last.end] - self._meshes.points[last.first])) // ROW)
-        self._make_room(height)
+        self.searches = last.result + int(self._meshes.points[last.end] - self._meshes.points[last.first])
+        self._make_room(-(-self.searches // ROW))
         self._maps.bind(shader, MAPS_UNIT)
         shader["eye"] = eye_of(view.camera)
         shader["steps"], shader["threshold"] = steps, threshold
@@ -92,8 +105,6 @@ class VirtualPicture:
             if bundle is not chosen:
                 (part,) = bundle.path
                 self._maps.choose(shader, (part,))
-                concave = self._maps.maps[part - 1].part.curvature is Curvature.CONCAVE
-                shader["first_step"] = -1.0 if concave else 1.0
                 chosen = bundle
             begin, count = int(self._meshes.points[first]), int(self._meshes.points[end] - self._meshes.points[first])
             shader["result_shift"] = result - begin
@@ -112,9 +123,12 @@ class VirtualPicture:
         shader["world_to_clip"] = tuple(clip.T.ravel())
         shader["eye"] = eye_of(view.camera)
         self._rays.bind(shader)
-        self._results.use(_RESULTS_UNIT)
-        shader["results"] = _RESULTS_UNIT
         self._meshes.bind(shader, _MESHES_UNIT)
+        if self._refining:
+            self._refining.bind(shader, _RESULTS_UNIT)
+        else:
+            self._results.use(_RESULTS_UNIT)
+            shader["results"] = _RESULTS_UNIT
         self._target.use()
         require().enable_only(moderngl.DEPTH_TEST)
         for bundle, first, end, result in runs:
@@ -134,8 +148,9 @@ class VirtualPicture:
     def release(self) -> None:
         """Give the memory back."""
         self._release_results()
-        for part in (self._rays, self._target, self.met, self._depth):
-            part.release()
+        for part in (self._rays, self._target, self.met, self._depth, self._refining):
+            if part:
+                part.release()
         for part in (self._points, self._triangles):
             part.release()
 

@@ -1,5 +1,6 @@
 """Where rays meet the scene: acceleration structures built from plain triangles, with NumPy alone."""
 
+from .cell_tree import EDGES, MIDDLES, CellTree, cell_tree
 from .convexity import is_convex
 from .curvature import Curvature
 from .cutting import Near, cut_near
@@ -14,7 +15,10 @@ from .trees import Tree
 from .trees import build as build_tree
 
 __all__ = [
+    "EDGES",
+    "MIDDLES",
     "OCTANTS",
+    "CellTree",
     "Curvature",
     "FlatParts",
     "InterpolationGrid",
@@ -25,6 +29,7 @@ __all__ = [
     "build_hierarchy",
     "build_layers",
     "build_tree",
+    "cell_tree",
     "cut_near",
     "flat_parts",
     "interpolation_grid",

@@ -4,7 +4,7 @@ from dataclasses import dataclass
 
 import numpy as np
 
-_CORNERS = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)])
+CORNERS = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)])
 """Of a cell: bit 0 of a corner's number is its place along x, bit 1 along y, bit 2 along z."""
 
 
@@ -25,7 +25,7 @@ class InterpolationGrid:
     def weights(self) -> np.ndarray:
         """(V, 8) float64 how much of each corner of its cell a vertex has, trilinearly."""
         place = self.place[:, None].astype(np.float64)
-        return np.where(_CORNERS, place, 1.0 - place).prod(axis=2)
+        return np.where(CORNERS, place, 1.0 - place).prod(axis=2)
 
 
 def interpolation_grid(points: np.ndarray, share: float) -> InterpolationGrid:
@@ -68,7 +68,7 @@ def _occupied(cell: np.ndarray, shape: np.ndarray) -> tuple[np.ndarray, np.ndarr
     """(C, 8) numbers that tell grid vertices apart, of the cells that hold points; (V,) which of these holds each."""
     cells, of_point = np.unique(np.ravel_multi_index(cell.T, np.maximum(shape, 1)), return_inverse=True)
     cells = np.stack(np.unravel_index(cells, np.maximum(shape, 1)), axis=1)
-    corners = np.minimum(cells[:, None] + _CORNERS, shape)
+    corners = np.minimum(cells[:, None] + CORNERS, shape)
     return np.ravel_multi_index(tuple(np.moveaxis(corners, 2, 0)), shape + 1), of_point.reshape(-1)
 
 

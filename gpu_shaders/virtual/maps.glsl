@@ -4,10 +4,31 @@
 #include "common/data.glsl"
 
 uniform sampler2D map_texels;         // 2 texels a texel: position | normal, in the part's frame
-uniform ivec3 part_maps[ORDER];       // first texel; texels along a face; faces, 6 or 1
-uniform float part_reaches[ORDER];    // tangent of the angle between a face's middle and its side
-uniform mat4 part_to_world[ORDER];
-uniform mat3 normal_to_world[ORDER];
+#ifdef MANY_PARTS
+#define CHOSEN                        // by choose_part
+#else
+#define CHOSEN uniform
+#endif
+CHOSEN ivec3 part_maps[ORDER];        // first texel; texels along a face; faces, 6 or 1
+CHOSEN float part_reaches[ORDER];     // tangent of the angle between a face's middle and its side
+CHOSEN mat4 part_to_world[ORDER];
+CHOSEN mat3 normal_to_world[ORDER];
+CHOSEN float part_bends[ORDER];       // below 0 for a concave part
+
+#ifdef MANY_PARTS
+uniform sampler2D part_rows;          // 8 texels a part
+
+// Have what follows be about a part, known by its number.
+void choose_part(int number) {
+    vec4 row[8];
+    for (int i = 0; i < 8; ++i) row[i] = texelFetch(part_rows, texel_at(8 * (number - 1) + i), 0);
+    part_maps[0] = ivec3(int(row[0].x) << 12 | int(row[0].y), ivec2(row[0].zw));
+    part_to_world[0] = mat4(row[1], row[2], row[3], row[4]);
+    normal_to_world[0] = mat3(row[5].xyz, row[6].xyz, row[7].xyz);
+    part_reaches[0] = row[5].w;
+    part_bends[0] = row[6].w;
+}
+#endif
 
 const float BORDER = 1.0;
 const float MOST_OUTSIDE = 1.5;       // how far beyond its side a patch is continued, in halves of it

@@ -20,10 +20,11 @@ flat out ivec2 source;
 flat out int straddles;      // whether a part of it may be hidden
 
 const float ALL = 0.999;     // of what is interpolated
+const float HIDDEN = 1.5;    // above it, no ray comes by the vertex: nothing of the triangle is seen either
 
 void main() {
     vec3 hidden = vec3(image[0].w, image[1].w, image[2].w);
-    if (all(greaterThan(hidden, vec3(ALL)))) return;
+    if (all(greaterThan(hidden, vec3(ALL))) || any(greaterThan(hidden, vec3(HIDDEN)))) return;
     int triangle = first_triangle + gl_PrimitiveIDIn;
     for (int i = 0; i < 3; ++i) {
         gl_Position = world_to_clip * vec4(image[i].xyz, 1.0);

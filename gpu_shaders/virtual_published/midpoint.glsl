@@ -4,7 +4,6 @@
 #include "virtual/newton.glsl"
 
 uniform float threshold;    // of the error function (1)
-uniform float first_step;   // below 0 for a concave part, whose normals turn the other way
 
 const float BEST_CHANGE = 0.5;  // of the field over half a step: where it is linear, no step comes nearer to its sink
 const float TOO_FAR = 2.0;
@@ -65,7 +64,7 @@ vec3 start_of(vec3 vertex) {
 
 Sight follow(vec3 vertex) {
     vec3 at = start_of(vertex);
-    float h = first_step;
+    float h = part_bends[0];  // the other way on a concave part, as its normals turn
     for (int i = 0; i < steps; ++i) {
         int axis = axis_of(at);
         at = on_map(at, axis);
@@ -85,10 +84,13 @@ Sight follow(vec3 vertex) {
     return sight_at(point_at(0, place_of(0, at)), vertex);
 }
 
+bool is_lost(Sight s) {
+    return s.turned_away || s.error > LOST;
+}
+
 // xyz: the virtual vertex, mirrored about the tangent plane; w: 0, or 1 where the vertex is hidden by the reflector
 // or not reflected by the part.
-vec4 virtual_vertex(vec3 vertex) {
-    Sight s = follow(vertex);
+vec4 virtual_vertex(Sight s, vec3 vertex) {
     float height = dot(vertex - s.position, s.normal);
-    return vec4(vertex - 2.0 * height * s.normal, s.hidden || s.turned_away || s.error > LOST ? 1.0 : 0.0);
+    return vec4(vertex - 2.0 * height * s.normal, s.hidden || is_lost(s) ? 1.0 : 0.0);
 }

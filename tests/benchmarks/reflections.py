@@ -15,15 +15,10 @@ import argparse
 import subprocess
 import sys
 import tempfile
-from collections.abc import Iterator
-from contextlib import contextmanager
 from dataclasses import replace
-from time import perf_counter
 
 import numpy as np
 import trimesh
-from catoptric.addon.baking.reflector_maps import FINER, SPREAD
-from catoptric.addon.baking.reflector_maps import SIZE as MAP_SIZE
 from catoptric.addon.blender.eevee import render_eevee
 from catoptric.addon.blender.extract import extract
 from catoptric.addon.blender.files import open_blend
@@ -33,13 +28,12 @@ from catoptric.addon.drawing import Clipping
 from catoptric.addon.gl import call, is_software, require
 from catoptric.addon.methods.contract import Frame, View
 from catoptric.addon.methods.registry import METHODS
-from catoptric.addon.methods.virtual_convergence import convergence
-from catoptric.addon.methods.virtual_pictures import VirtualPicture
 from catoptric.addon.metrics import error_maps
 from catoptric.addon.scene import BLACK, Camera, ColorSource, Fresnel, Instance, Lighting, Material, Mesh, Scene, World
 from catoptric.batch.jobs import lit
 from catoptric.batch.sources import locate
 from catoptric.scenes import path_of
+from virtual_grids import virtual
 
 SIZE = (768, 512)
 PAPER = {"two-balls": 1.54, "hollow-box": 1.58, "knotty-cup": 2.08, "statue": 2.13, "three-genus3": 5.30}
@@ -200,97 +194,6 @@ def frame_time(scene: Scene, settings: dict, size: tuple[int, int]) -> float:
         return drawn.render(View(scene.camera, *size, 3)).time_ms["frame"]
     finally:
         drawn.release()
-
-
-GRIDS = {4.1: 12.5, 5.5: 10.5, 9.6: 7.8, 14.3: 6.4}
-"""Per cent of the vertices that a grid has, and what the paper gains by it: its frames a second over 1.3."""
-
-MIRRORED = (
-    ("mirror-ball", 0.0, 0),
-    ("mirror-ball", 0.2, 0),
-    ("mirror-ball", 0.0, 500),
-    ("kitchen", 0.0, 0),
-    ("kitchen", 0.35, 0),
-    ("kitchen", 0.0, 500),
-)
-"""Scenes, into what pieces what they show is cut, and how many vertices it must have to show at all."""
-
-
-def kettle_alone(scene: Scene, fineness: int) -> Scene:
-    """A scene that mirrors meshes of so many vertices; the kitchen in its kettle alone, where section 7 looks."""
-    instances = []
-    for one in scene.instances:
-        mirrors = one.reflector and (scene.name != "kitchen" or one.name == "Kettle")
-        shows = len(scene.meshes[one.mesh].positions) >= fineness
-        instances.append(replace(one, reflector=mirrors, in_reflections=one.in_reflections and shows))
-    return replace(scene, instances=tuple(instances))
-
-
-def virtual(size: tuple[int, int] = (384, 256), rounds: int = 4) -> None:
-    """What grids gain and lose against every vertex, and the steps that both searches take."""
-    loaded = {name: replace(extract(open_blend(path_of(name))), name=name) for name, _, _ in MIRRORED}
-    for name, cut, fineness in MIRRORED:
-        scene = kettle_alone(loaded[name], fineness)
-        drawn = {grid: METHODS["virtual-objects-published"]({"grid": grid, "cut": cut}) for grid in (0.0, *GRIDS)}
-        try:
-            for method in drawn.values():
-                method.prepare(scene, Lighting.UNLIT)
-            print(f"{name}, pieces of {cut:g}, meshes of {fineness} vertices and more")
-            print_grids(*grids(drawn, View(scene.camera, *size, 1), rounds))
-        finally:
-            for method in drawn.values():
-                method.release()
-    settings = {parameter.name: parameter.default for parameter in (FINER, MAP_SIZE, SPREAD)}
-    for name, scene in loaded.items():
-        for search, curve in convergence(scene, SIZE, settings, Cache()).items():
-            shares = " ".join(f"{100 * share:6.2f}" for share in curve.within)
-            print(f"{name:12} {search:10} within a pixel, %, by step: {shares}; 99 % after {curve.exact_after}")
-
-
-def grids(drawn: dict, view: View, rounds: int) -> tuple[dict, dict]:
-    """Pictures by grid, and the least milliseconds of search and reflection over rounds of all in turn."""
-    frames, times = {}, {grid: [np.inf, np.inf] for grid in drawn}
-    for _ in range(rounds):
-        for grid, method in drawn.items():
-            with searching() as spent:
-                frames[grid] = method.render(view)
-            now = sum(spent), frames[grid].time_ms["reflection"]
-            times[grid] = np.minimum(times[grid], now)
-    return frames, times
-
-
-@contextmanager
-def searching() -> Iterator[list[float]]:
-    """The milliseconds that each search inside takes."""
-    spent, find = [], VirtualPicture.find
-
-    def timed(*arguments) -> None:
-        context = require()
-        context.finish()
-        start = perf_counter()
-        find(*arguments)
-        context.finish()
-        spent.append(1e3 * (perf_counter() - start))
-
-    VirtualPicture.find = timed
-    try:
-        yield spent
-    finally:
-        VirtualPicture.find = find
-
-
-def print_grids(frames: dict, times: dict) -> None:
-    """A row for each grid, against every vertex."""
-    every, mask = frames[0.0], frames[0.0].reflectors >= 0.5
-    print(f"  every vertex searched in {times[0.0][0]:.0f} ms, reflected in {times[0.0][1]:.0f} ms")
-    for grid, paper in GRIDS.items():
-        search, whole = times[0.0] / times[grid]
-        flip = error_maps(frames[grid].color, every.color).over(mask).flip
-        ideal = 100.0 / grid
-        print(
-            f"  {grid:4} %: search {search:5.1f}× ({search / ideal:4.0%} of {ideal:.1f}), reflection {whole:5.1f}×, "
-            f"the paper's frame {paper:4.1f}×; FLIP {flip:.4f} from every vertex"
-        )
 
 
 def main() -> None:

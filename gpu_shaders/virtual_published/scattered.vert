@@ -1,0 +1,15 @@
+// Finds the virtual vertices of points, each in a part of its own.
+
+#include "virtual_published/midpoint.glsl"
+
+in vec3 position;
+in int part;
+
+out vec4 image;  // the virtual vertex; w: 0, or 1 where it is hidden by the reflector, 2 where none was found
+
+void main() {
+    choose_part(part);
+    Sight s = follow(position);
+    image = virtual_vertex(s, position);
+    if (is_lost(s)) image.w = 2.0;
+}
