@@ -13,7 +13,7 @@ uniform vec3 sample_directions[SAMPLES];  // and which way they go
 uniform vec3 sample_starts[SAMPLES * ORDER];  // where they are reflected, as directions of the parts' frames
 
 // Of the tangent that a face reaches to. In a patch a search begins where a ray comes by, so that it has not far to go.
-const float LONGEST_STEP = 0.7, LONGEST_IN_PATCH = 0.25;
+const float LONGEST_STEP = 0.7, LONGEST_IN_PATCH = 0.5;
 const float DONE = 1e-6;
 const float BACK = 1e30;          // the error of a point that faces away from the eye
 const int HALVINGS = 12;
