@@ -85,7 +85,7 @@ def compare(
     resume: Annotated[bool, typer.Option("--resume", help="Keep the rows that an earlier run finished.")] = False,
 ) -> int:
     """Measure methods against Cycles, or one of them; writes report.html, results.json, pictures and videos."""
-    names = parse_names(methods, METHODS, "--methods") if methods is not None else tuple(METHODS)
+    names = parse_names(methods, METHODS, "--methods") if methods is not None else _all_methods(frames is not None)
     if against is not None:
         names = parse_against(against, names)
     elif samples == 1:
@@ -112,6 +112,11 @@ def compare(
         if results.results:
             terminal.say(f"report: {out / 'report.html'}")
     return 0 if results.results else WRONG
+
+
+def _all_methods(several_frames: bool) -> tuple[str, ...]:
+    """Of one frame, those that take over from earlier ones would only show their tracer."""
+    return tuple(name for name, method in METHODS.items() if several_frames or not method.takes_over)
 
 
 @app.command()

@@ -8,7 +8,7 @@ from .rasteriser import MOST_CUTS
 from .resident import FREE_UNIT, Resident
 from .tables import first_triangles, world_box
 from .trees import grow_trees
-from .visibility import Part, Visibility, world_to_clip
+from .visibility import Part, Visibility, camera_uniforms, world_to_clip
 
 __all__ = [
     "FREE_UNIT",
@@ -21,6 +21,7 @@ __all__ = [
     "Resident",
     "ScreenPass",
     "Visibility",
+    "camera_uniforms",
     "first_triangles",
     "grow_trees",
     "layer_view",

@@ -4,10 +4,10 @@ from collections.abc import Mapping
 
 import moderngl
 
-from ..gl import program, require, screen
+from ..gl import program, require, screen, set_uniforms
 from ..scene import Camera
 from .resident import FREE_UNIT, Resident
-from .visibility import Part, Visibility, set_camera
+from .visibility import Part, Visibility, camera_uniforms
 
 
 class ScreenPass:
@@ -45,12 +45,9 @@ class ScreenPass:
         context.enable_only(moderngl.DEPTH_TEST | (moderngl.BLEND if blend else moderngl.NOTHING))
         context.blend_func = moderngl.ONE, moderngl.ONE
         self._resident.bind(self.shader)
-        set_camera(self.shader, camera, *visibility.size, offset)
         visibility.texture.use(FREE_UNIT)
         uniforms = {"visibility": FREE_UNIT, "corner": corner, "weight": weight, "depth": self._depth}
-        for name, value in uniforms.items():
-            if name in self.shader:
-                self.shader[name] = value
+        set_uniforms(self.shader, {**uniforms, **camera_uniforms(camera, *visibility.size, offset)})
         context.depth_func = self._passes
         self._screen.render(vertices=3)
         context.depth_func = "<"

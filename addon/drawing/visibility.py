@@ -111,17 +111,14 @@ def world_to_clip(camera: Camera, width: int, height: int, offset: tuple[float, 
     return shift @ camera.projection(width, height) @ np.linalg.inv(camera.matrix)
 
 
-def set_camera(
-    shader: moderngl.Program, camera: Camera, width: int, height: int, offset: tuple[float, float] = (0.0, 0.0)
-) -> None:
-    """Set the uniforms of gpu_shaders/common/camera.glsl for the same sample of the pixel."""
+def camera_uniforms(
+    camera: Camera, width: int, height: int, offset: tuple[float, float] = (0.0, 0.0)
+) -> dict[str, object]:
+    """The uniforms of gpu_shaders/common/camera.glsl for the same sample of the pixel."""
     left, right, bottom, top = camera.window(width, height)
     dx, dy = offset[0] * (right - left) / width, offset[1] * (top - bottom) / height
-    uniforms = {
+    return {
         "camera_to_world": tuple(camera.matrix.T.ravel()),
         "window": (left + dx, right + dx, bottom + dy, top + dy),
         "orthographic": camera.ortho_scale is not None,
     }
-    for name, value in uniforms.items():
-        if name in shader:
-            shader[name] = value

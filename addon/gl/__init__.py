@@ -3,7 +3,7 @@
 from .capture import capture
 from .context import adopt, call, give_way, on_gl_thread, require, submit, unbind
 from .functions import function
-from .programs import feedback, program, screen
+from .programs import feedback, program, screen, set_uniforms
 from .textures import DataTexture
 from .timers import Stopwatch, is_software
 
@@ -21,6 +21,7 @@ __all__ = [
     "program",
     "require",
     "screen",
+    "set_uniforms",
     "submit",
     "unbind",
 ]

@@ -86,3 +86,10 @@ def _located(message: str, files: list[str]) -> str:
 def screen(shader: moderngl.Program) -> moderngl.VertexArray:
     """A vertex array that covers the viewport with `shader`; render it with `vertices=3`. Made once."""
     return require().vertex_array(shader, [])
+
+
+def set_uniforms(shader: moderngl.Program, values: Mapping[str, object]) -> None:
+    """Set the uniforms that the program has kept of these: a compiler drops what is not read."""
+    for name, value in values.items():
+        if name in shader:
+            shader[name] = value

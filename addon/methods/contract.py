@@ -73,16 +73,19 @@ class Method(ABC):
     """A way to draw reflections in real time.
 
     A subclass's docstring gives source, parameters, outputs and *limitations*; `catoptric methods`
-    and the manual print it. `source` names paper and section in one line.
+    and the manual print it. `source` names paper and section in one line; `takes_over` says that pictures are made
+    of earlier ones, so that one alone says nothing of the method.
     """
 
     name: ClassVar[str]
     source: ClassVar[str]
     parameters: ClassVar[Sequence[Parameter]] = ()
+    takes_over: ClassVar[bool] = False
 
     def __init__(self, settings: Mapping[str, Value] | None = None) -> None:
         """`settings` maps names of `parameters` to values; raises `UsageError` for one that is wrong."""
         self.settings = resolve(self.parameters, settings or {})
+        self._canvas: Canvas | None = None  # kept from picture to picture, as what is known of them hangs on it
 
     @classmethod
     def applies_to(cls, scene: Scene, reflector: Instance, settings: Mapping[str, Value] | None = None) -> str | None:
@@ -110,17 +113,22 @@ class Method(ABC):
     @on_gl_thread
     def render(self, view: View, progress: Progress = silent) -> Frame:
         """The picture of the prepared scene, `view.samples` squared samples a pixel."""
-        canvas = Canvas(view.width, view.height)
-        try:
-            time_ms = self.paint(view, canvas, progress)
-            return Frame(*canvas.read(), time_ms, self.reused(canvas))
-        finally:
-            canvas.release()
+        if self._canvas is None or self._canvas.size != (view.width, view.height):
+            self._drop_canvas()
+            self._canvas = Canvas(view.width, view.height)
+        time_ms = self.paint(view, self._canvas, progress)
+        return Frame(*self._canvas.read(), time_ms, self.reused(self._canvas))
 
     def reused(self, canvas: Canvas) -> Reuse | None:
         """What the picture just painted on a canvas took over from earlier ones; on the GL thread."""
         return None
 
-    @abstractmethod
+    @on_gl_thread
     def release(self) -> None:
-        """Give back the GPU memory that `prepare` took."""
+        """Give back the GPU memory that the method took."""
+        self._drop_canvas()
+
+    def _drop_canvas(self) -> None:
+        if self._canvas is not None:
+            self._canvas.release()
+            self._canvas = None

@@ -58,6 +58,7 @@ class EnsembleMethod(Method):
     @on_gl_thread
     def release(self) -> None:
         """Give the GPU memory back, however far `prepare` came."""
+        super().release()
         if self._ensemble is not None:
             self._ensemble.release()
 

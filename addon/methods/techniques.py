@@ -8,6 +8,7 @@ from .layered_depth import LayeredDepth
 from .layered_depth_published import LayeredDepthPublished
 from .planar import Planar
 from .ray_traced import RayTraced
+from .reprojection import Reprojection
 from .virtual_objects import VirtualObjects
 from .virtual_objects_published import VirtualObjectsPublished
 
@@ -25,5 +26,6 @@ TECHNIQUES: dict[str, type[DeferredMethod]] = {
         GlossyPlanar,
         VirtualObjectsPublished,
         VirtualObjects,
+        Reprojection,
     )
 }

@@ -10,6 +10,7 @@ from .hierarchy import build as build_hierarchy
 from .interpolation_grid import InterpolationGrid, interpolation_grid
 from .layers import Layers
 from .layers import build as build_layers
+from .neighbours import across_edges
 from .star_parts import StarPart, star_parts
 from .trees import Tree
 from .trees import build as build_tree
@@ -26,6 +27,7 @@ __all__ = [
     "Near",
     "StarPart",
     "Tree",
+    "across_edges",
     "build_hierarchy",
     "build_layers",
     "build_tree",

@@ -49,7 +49,7 @@ class Surface:
         used = np.take_along_axis(triangles[index], order, axis=1)
         shading = np.take_along_axis(shading, order[..., None], axis=1)
         facing = across / (doubled * np.where(flipped, -1.0, 1.0))[:, None]
-        corners, vertices = positions[used], _welded(positions)[used]
+        corners, vertices = positions[used], welded(positions)[used]
         pairs, touching = _shared_edges(vertices)
         smooth = _goes_on(shading, pairs)
         links, sides = pairs[smooth] // 3, np.full(3 * len(index), -1)
@@ -97,7 +97,7 @@ def _sound(corners: np.ndarray, shading: np.ndarray) -> tuple[np.ndarray, np.nda
     return index, across[index]
 
 
-def _welded(positions: np.ndarray) -> np.ndarray:
+def welded(positions: np.ndarray) -> np.ndarray:
     """(V,) the same number for vertices in the same place."""
     order = np.lexsort(positions.T)
     placed = positions[order]

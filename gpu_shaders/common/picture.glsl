@@ -9,16 +9,24 @@ uniform ivec2 corner;  // where the picture begins in its target, in pixels
 
 const float FAR = 1e30;
 
+Ray pixel_ray(ivec2 pixel) {
+    return camera_ray((vec2(pixel) + 0.5) / vec2(textureSize(visibility, 0)));
+}
+
 Ray pixel_ray() {
-    return camera_ray((gl_FragCoord.xy - vec2(corner)) / vec2(textureSize(visibility, 0)));
+    return pixel_ray(ivec2(gl_FragCoord.xy) - corner);
 }
 
 // `instance` is NONE where the pixel shows the world.
-Hit pixel_hit(Ray ray) {
-    uvec2 seen = texelFetch(visibility, ivec2(gl_FragCoord.xy) - corner, 0).xy;
+Hit pixel_hit(Ray ray, ivec2 pixel) {
+    uvec2 seen = texelFetch(visibility, pixel, 0).xy;
     if (seen.x == 0u) return Hit(NONE, NONE, vec2(0.0), FAR);
     int instance = int(seen.x) - 1, triangle = int(seen.y);
     vec3 met = meet_plane_of(instance, triangle, ray);
     // A pixel that the rasteriser gave to a triangle may lie a rounding outside it.
     return Hit(instance, triangle, clamp(met.xy, 0.0, 1.0), met.z);
+}
+
+Hit pixel_hit(Ray ray) {
+    return pixel_hit(ray, ivec2(gl_FragCoord.xy) - corner);
 }

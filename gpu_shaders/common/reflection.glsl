@@ -1,17 +1,13 @@
 // The frame of a reflection pass. A method's shader includes this and defines `mirrored_light`.
 
 #include "common/picture.glsl"
+#include "common/mirrored.glsl"
 
 uniform float weight;  // of this sample in the pixel
 
 layout(location = 0) out vec4 color;
 layout(location = 1) out float distance_to_hit;
 layout(location = 2) out vec4 reflection;  // `color` once more, where a target keeps it apart
-
-struct Mirrored {
-    vec3 radiance;   // what the viewer sees in the surface, its reflectance counted in
-    float distance;  // metres from the surface to what is seen; FAR for the world
-};
 
 // `s` is the point on the reflector; the viewer's ray to it has `direction`.
 Mirrored mirrored_light(Surface s, vec3 direction);

@@ -1,5 +1,6 @@
 // Reflections by rays that go from mirror to mirror, whatever tracer finds what they meet.
 
+#include "common/mirrored.glsl"
 #include "common/tracer.glsl"
 
 // `reflections`: how often a path may reflect before it goes black, this time included.
