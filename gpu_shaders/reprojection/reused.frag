@@ -108,9 +108,9 @@ float crossing_of(Sample here, Ray ray, out float apart) {
 }
 
 // Whether the earlier picture saw what is on the way to a hit. Its pixels from `start`, where our ray begins, to
-// `place`, where it ends, show the way as straight as the mirror is flat; else Newton's method leads back to it. Where a
-// point of the way was hidden, behind what is seen there, something may stand that no ray has met (the pillar of Xie
-// et al., figure 9). What our ray meets of what is seen is the hit, and `place` then where.
+// `place`, where it ends, show the way as straight as the mirror is flat; else Newton's method leads back to it. Where
+// a point of the way was hidden, behind what is seen there, something may stand that no ray has met (the pillar of
+// Xie et al., figure 9). What our ray meets of what is seen is the hit, and `place` then where.
 bool is_seen(Hit from, Ray ray, vec2 start, inout vec2 place, inout Hit hit, inout bool passed) {
     vec2 way = place - start, aside;
     int count = min(checks, int(max(abs(way.x), abs(way.y))));
