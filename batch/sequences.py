@@ -236,10 +236,12 @@ class Sequence:
         if len(self.frames) <= SHOWN_WHOLE:
             return {frame: [] for frame in self.frames}
         shown: dict[int, list[str]] = {self.frames[0]: ["the first"], self.frames[-1]: ["the last"]}
-        for method in list(self.by_method)[: _MOST_WORST + 1]:
-            worst = max(self.by_method[method], key=lambda row: row.over_reflectors.flip or 0.0)
-            if worst.over_reflectors.flip:
-                shown.setdefault(worst.frame, []).append(f"the worst of {method}")
+        worst: dict[int, list[str]] = {}
+        rows = [max(rows, key=lambda row: row.over_reflectors.flip or 0.0) for rows in self.by_method.values()]
+        for row in [row for row in rows if row.over_reflectors.flip][:_MOST_WORST]:
+            worst.setdefault(row.frame, []).append(row.method)
+        for frame, methods in worst.items():
+            shown.setdefault(frame, []).append(f"the worst of {', '.join(methods)}")
         for before, key in self._key_after_reuse():
             shown.setdefault(before.frame, []).append(f"before a key frame of {before.method}")
             shown.setdefault(key.frame, []).append(f"a key frame of {key.method}")
