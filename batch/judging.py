@@ -16,6 +16,7 @@ from .pictures import image_paths, retraced_path, save_exr, save_images, save_ma
 from .results import Images, Noise, Result, Reused, Times
 
 _LEAST_SIDE, _MOST_SIDE = 2, 16
+_WARMING = 0.0, 1e-3, 2e-3  # metres to the side
 
 
 def supersampling(samples: int, against: str | None = None) -> int:
@@ -61,11 +62,18 @@ class Shot:
     def warm_up(self, method: Method) -> None:
         """Have drivers compile what they put off until something is drawn, if there is but one sample to be timed.
 
-        Of another size, so that no method takes anything over from it.
+        The pictures are of another size, so that no method takes anything over from them, and from several places
+        near by, so that one which takes over from earlier pictures has done so. They are half as high: Mesa compiles
+        programs anew for textures whose sides are no powers of two.
         """
+        if self.side > 1:
+            return
         width, height = self.size
-        if self.side == 1:
-            method.render(View(self.scene.camera, width, height + 1, 1))
+        for step in _WARMING:
+            aside = np.eye(4)
+            aside[0, 3] = step
+            near_by = replace(self.scene.camera, matrix=self.scene.camera.matrix @ aside)
+            method.render(View(near_by, width, max(1, height // 2), 1))
 
     def images(self, method: str) -> Images:
         """Where the pictures of a method go."""

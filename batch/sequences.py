@@ -4,8 +4,9 @@ from collections.abc import Callable, Iterable
 from dataclasses import dataclass
 from functools import cached_property
 from itertools import pairwise
-from math import ceil, floor, inf, log10
+from math import inf
 
+from .charts import Box, Chart, Point, draw
 from .results import Result
 
 BASELINE = "ray-traced"
@@ -17,27 +18,6 @@ SHOWN_WHOLE = 6
 _MOST_WORST = 4
 
 Value = Callable[[Result], float | None]
-
-
-@dataclass(frozen=True)
-class Line:
-    """A method's curve: runs of points in a box, as an SVG has them, broken where nothing was measured.
-
-    `keys` are the points of key frames.
-    """
-
-    method: str
-    runs: list[str]
-    keys: list[tuple[str, str]]
-
-
-@dataclass(frozen=True)
-class Chart:
-    """Curves of several methods over one axis of frames; `ticks` are heights in the box, 0 at the top, and labels."""
-
-    title: str
-    lines: list[Line]
-    ticks: list[tuple[str, str]]
 
 
 @dataclass(frozen=True)
@@ -179,57 +159,35 @@ class Sequence:
     def charts(self, scope: str, width: float, height: float) -> list[Chart]:
         """The curves of error over `scope`, in boxes of that size."""
         figures = {"FLIP": "flip", "mean absolute difference, of 255": "mae_8bit"}
-        charts = [
+        drawn = [
             self._chart(title, lambda row, name=name: getattr(getattr(row, scope), name), width, height)
             for title, name in figures.items()
         ]
-        return [chart for chart in charts if chart.lines]
+        return [chart for chart in drawn if chart.lines]
 
     def cost_charts(self, width: float, height: float) -> list[Chart]:
         """The curves of time and of what was retraced."""
-        charts = [
-            self._chart("frame, ms", lambda row: row.time_ms.frame, width, height, timed=True),
-            self._chart("reflection pass, ms", lambda row: row.time_ms.reflection, width, height, timed=True),
-            self._chart(
-                "retraced, % of the reflectors' pixels (○ key frame)",
-                lambda row: None if row.reuse is None else 100.0 * row.reuse.retraced,
-                width,
-                height,
-            ),
+        passes = {"frame, ms": "frame", "reflection pass, ms": "reflection"}
+        drawn = [
+            self._chart(title, lambda row, name=name: getattr(row.time_ms, name), width, height, timed=True)
+            for title, name in passes.items()
         ]
-        return [chart for chart in charts if chart.lines]
+        title = "retraced between key frames (○), % of the reflectors' pixels"
+        drawn.append(self._chart(title, _retraced, width, height))
+        return [chart for chart in drawn if chart.lines]
 
-    def across(self, frame: int, width: float) -> float:
-        """Where a frame stands on an axis of that length."""
-        return width * (frame - self.frames[0]) / max(1, self.frames[-1] - self.frames[0])
+    def box(self, width: float, height: float = 0.0) -> Box:
+        """Where curves of that size are drawn."""
+        return Box(width, height, self.frames[0], self.frames[-1])
 
     def _chart(self, title: str, value: Value, width: float, height: float, timed: bool = False) -> Chart:
+        """Times are on a scale of powers of ten: by so much methods differ, and single frames from others."""
         chosen = {name: self._timed(rows) if timed else rows for name, rows in self.by_method.items()}
-        measured = {name: [(row, value(row)) for row in rows] for name, rows in chosen.items()}
-        top = _ceiling(
-            max((found for rows in measured.values() for _, found in rows if found is not None), default=0.0)
-        )
-        lines = [self._line(name, rows, top, width, height) for name, rows in measured.items()]
-        ticks = [(f"{height * (1.0 - share):.1f}", f"{top * share:.4g}") for share in (0.0, 0.5, 1.0)]
-        return Chart(title, [line for line in lines if line.runs], ticks)
-
-    def _line(
-        self, name: str, rows: list[tuple[Result, float | None]], top: float, width: float, height: float
-    ) -> Line:
-        runs: list[list[str]] = [[]]
-        keys, expected = [], None
-        for row, found in rows:
-            if found is None or row.frame != expected:
-                runs.append([])
-            expected = row.frame + 1
-            if found is None:
-                continue
-            x, y = f"{self.across(row.frame, width):.1f}", f"{height * (1.0 - found / top):.1f}"
-            runs[-1].append(f"{x},{y}")
-            if row.reuse is not None and row.reuse.key:
-                keys.append((x, y))
-        # A point alone is a line to itself, else nothing would show.
-        return Line(name, [" ".join(run if len(run) > 1 else run * 2) for run in runs if run], keys)
+        points = {
+            name: [Point(row.frame, value(row), row.reuse is not None and row.reuse.key) for row in rows]
+            for name, rows in chosen.items()
+        }
+        return draw(title, points, self.box(width, height), decades=timed)
 
     def telling(self) -> dict[int, list[str]]:
         """The frames to show, and why each; all of them where there are few."""
@@ -253,6 +211,11 @@ class Sequence:
         return [(old, new) for old, new in pairwise(rows) if new.reuse.key and not old.reuse.key][:1]
 
 
+def _retraced(row: Result) -> float | None:
+    """Per cent; nothing for key frames, beside which all others would look alike."""
+    return None if row.reuse is None or row.reuse.key else 100.0 * row.reuse.retraced
+
+
 def _span(values: Iterable[float | None]) -> Span:
     known = [value for value in values if value is not None]
     return Span(max(known), min(known), sum(known) / len(known)) if known else Span()
@@ -267,11 +230,3 @@ def _intervals(rows: list[Result]) -> list[int]:
         if row.reuse is not None:
             lengths[-1] += 1
     return lengths
-
-
-def _ceiling(most: float) -> float:
-    """The next round number, 1 for 0."""
-    if most <= 0.0:
-        return 1.0
-    unit = 10.0 ** floor(log10(most))
-    return next(step * unit for step in (1.0, 2.0, 5.0, 10.0) if ceil(most / unit * (1 - 1e-9)) <= step)

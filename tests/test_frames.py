@@ -2,6 +2,7 @@
 
 import json
 from pathlib import Path
+from typing import ClassVar
 
 import av
 import bpy
@@ -30,6 +31,7 @@ class Saving(LayeredDepth):
     name = "saving"
     source = "a stand-in"
     baked = 0
+    heights: ClassVar[list[int]] = []
 
     def bake(self, progress) -> None:
         """Count, and begin with a key frame."""
@@ -38,6 +40,7 @@ class Saving(LayeredDepth):
 
     def paint(self, view, canvas, progress) -> dict[str, float]:
         """One picture more since the key frame; those that warm up are of another size."""
+        self.heights.append(view.height)
         self.age = -1 if view.height != 32 else self.age + 1
         return super().paint(view, canvas, progress)
 
@@ -75,6 +78,7 @@ class Failing(LayeredDepth):
 def stand_ins(monkeypatch):
     """The methods above are known by name."""
     monkeypatch.setattr(Saving, "baked", 0)
+    monkeypatch.setattr(Saving, "heights", [])
     for kind in (Saving, Failing):
         monkeypatch.setitem(METHODS, kind.name, kind)
 
@@ -124,6 +128,13 @@ def test_a_method_is_prepared_once_for_all_frames(flight, tmp_path):
     assert mask[:, :24].all()
     assert not mask[:, 24:].any()
     assert not (tmp_path / "films").exists()
+
+
+@pytest.mark.parametrize(("samples", "warming"), [("1", 3), ("4", 0)])
+def test_one_sample_is_timed_once_all_is_compiled(flight, tmp_path, samples, warming):
+    options = ("--frames", "1:2", "--methods", "saving", *AGAINST, "--no-videos", "--samples", samples)
+    compare(flight, tmp_path, *options)
+    assert Saving.heights == [16] * warming + [32, 32]
 
 
 def test_one_frame_is_prepared_and_given_back(flight, tmp_path):

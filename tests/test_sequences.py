@@ -6,6 +6,7 @@ from pathlib import Path
 
 import pytest
 from catoptric.addon.metrics import Figures
+from catoptric.batch.charts import Box, Point, draw
 from catoptric.batch.comparisons import compared, sequences_of, telling
 from catoptric.batch.report import write_report
 from catoptric.batch.results import Images, Result, Results, Reused, Skipped, Times
@@ -98,6 +99,32 @@ def test_curves_break_where_frames_are_missing():
     assert line.runs[0].split()[0] == "0.0,80.0"
     assert line.runs[1].split()[1] == "400.0,0.0"
     assert [label for _, label in flip.ticks] == ["0", "0.25", "0.5"]
+
+
+def test_times_stand_on_a_scale_of_powers_of_ten():
+    rows = [row("a", 1, ms=99999.0), row("a", 2, ms=1.0), row("a", 3, ms=10.0), row("a", 4, ms=100.0)]
+    frame, *_ = sequence_of(rows).cost_charts(300.0, 100.0)
+    (line,) = frame.lines
+    assert line.runs == ["100.0,100.0 200.0,50.0 300.0,0.0"]
+    assert frame.ticks == [("100.0", "1"), ("50.0", "10"), ("0.0", "100")]
+
+
+def test_key_frames_are_marked_beside_what_was_retraced():
+    *_, retraced = sequence_of(reusing([1.0, 0.1, 0.2, 1.0, 0.05])).cost_charts(400.0, 100.0)
+    (line,) = retraced.lines
+    assert line.keys == [("0.0", "0.0"), ("300.0", "0.0")]
+    assert line.runs == ["100.0,50.0 200.0,0.0", "400.0,75.0 400.0,75.0"]
+    assert retraced.ticks[-1] == ("0.0", "20")
+
+
+@given(st.lists(st.none() | st.floats(0.0, 1e6), min_size=1, max_size=20), st.booleans())
+def test_every_value_stands_in_its_box(values, decades):
+    box = Box(100.0, 50.0, 1, len(values))
+    chart = draw("", {"a": [Point(frame, value) for frame, value in enumerate(values, start=1)]}, box, decades)
+    points = {point for line in chart.lines for run in line.runs for point in run.split()}
+    places = [tuple(map(float, point.split(","))) for point in points]
+    assert len(places) == sum(value is not None for value in values)
+    assert all(0.0 <= x <= 100.0 and -0.05 <= y <= 50.0 for x, y in places)
 
 
 def test_of_many_frames_those_that_tell_are_shown():
