@@ -192,6 +192,14 @@ def test_resumed_in_the_middle_it_begins_with_a_key_frame_and_says_so(flight, tm
     assert Saving.baked == 2
 
 
+def test_over_a_frame_that_is_kept_nothing_is_taken_over(flight, tmp_path, capsys):
+    options = ("--methods", "saving", *AGAINST, "--no-videos")
+    compare(flight, tmp_path, "--frames", "2", *options)
+    rows = compare(flight, tmp_path, "--frames", "1:4", *options, "--resume")
+    assert [row["reuse"]["key"] for row in rows if row["method"] == "saving"] == [True, True, True, False]
+    assert "saving goes on at frame 3 with a key frame" in capsys.readouterr().err
+
+
 def test_resumed_against_something_else_it_is_measured_again(flight, tmp_path):
     options = ("--frames", "1:2", "--methods", "environment-map", "--samples", "4")
     compare(flight, tmp_path, *options)
