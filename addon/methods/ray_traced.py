@@ -17,18 +17,20 @@ class RayTraced(DeferredMethod):
     objects, the reflector itself included, looks up textures and light there, and follows mirrors as often as the
     scene's glossy bounces allow. It is exact, and so what other methods are held against.
 
-    Source: trees by clustering as Meister and Bittner, *Parallel locally-ordered clustering for bounding volume
-    hierarchy construction*, 2018, with four children a node as Wald, Benthin and Boulos, *Getting rid of packets*,
-    2008; loops for lanes in step as Aila and Laine, *Understanding the efficiency of ray traversal on GPUs*, 2009.
+    Source: Meister and Bittner, *Parallel locally-ordered clustering for bounding volume hierarchy construction*,
+    2018, over triangles split as by Ernst and Greiner, *Early split clipping for bounding volume hierarchies*, 2007;
+    four children a node as Ylitie, Karras and Laine choose theirs, *Efficient incoherent ray traversal on GPUs
+    through compressed wide BVHs*, 2017; loops for lanes in step as Aila and Laine, *Understanding the efficiency of
+    ray traversal on GPUs*, 2009.
 
     Outputs: as every method.
 
     Limitations: mirror-like materials only (roughness counts as 0); no refraction; the tree of a mesh that deforms
-    is built anew, about 4 s for 1,000,000 triangles.
+    is built anew, some seconds for 1,000,000 triangles.
     """
 
     name = RAY_TRACED
-    source = "Meister and Bittner 2018; Wald et al. 2008: a hierarchy of boxes for each mesh, and one above"
+    source = "Meister and Bittner 2018, Ylitie et al. 2017: a hierarchy of boxes for each mesh, and one above"
     shader = "traced/traced.frag"
 
     @property

@@ -7,8 +7,8 @@ smallest box, and two that choose each other become one. Every round is a few op
 
 import numpy as np
 
-RADIUS = 16
-"""How far along the curve a box looks for its partner."""
+RADIUS = 4
+"""How far along the curve a box looks for its partner; looking farther gave trees that rays visit more of."""
 
 _LEAST_SHARE = 1 / 8
 """Of all boxes; where fewer find partners in a round, all join their neighbours."""

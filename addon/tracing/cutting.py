@@ -35,13 +35,13 @@ def cut_near(
             small[:] = True
         done.append((corners[small], source[small]))
         count += int(small.sum())
-        corners, source = _halved(corners[~small], longest[~small]), np.tile(source[~small], 2)
+        corners, source = halved(corners[~small], longest[~small]), np.tile(source[~small], 2)
     pieces, sources = zip(*done, strict=True) if done else ((corners,), (source,))
     return np.concatenate(pieces), np.concatenate(sources)
 
 
-def _halved(corners: np.ndarray, longest: np.ndarray) -> np.ndarray:
-    """(2 T, 3, 3) the halves of triangles on either side of the middle of their longest edges."""
+def halved(corners: np.ndarray, longest: np.ndarray) -> np.ndarray:
+    """(2 T, 3, 3) the halves of triangles on either side of the middle of an edge, `longest` (T,)."""
     order = (longest[:, None] + np.arange(3)) % 3
     a, b, c = np.take_along_axis(corners, order[..., None], axis=1).transpose(1, 0, 2)
     middle = 0.5 * (a + b)

@@ -47,7 +47,7 @@ class Layers:
 
 def build(corners: np.ndarray, largest: int = LARGEST) -> Layers:
     """The layers of a mesh from its corners (T, 3, 3), T ≥ 1; at most `largest` columns along a side."""
-    low, size = _padded_box(corners)
+    low, size = padded_box(corners)
     axis = int(size.argmin())
     order = [(axis + 1) % 3, (axis + 2) % 3, axis]
     across = size[order[:2]]
@@ -58,7 +58,8 @@ def build(corners: np.ndarray, largest: int = LARGEST) -> Layers:
     return Layers(low, size, axis, (int(shape[0]), int(shape[1])), len(levels), np.concatenate(levels), spans, entries)
 
 
-def _padded_box(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+def padded_box(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Low corner and size, (3,) float64, of the box around triangles (T, 3, 3), which none of them touches."""
     low, high = corners.min(axis=(0, 1)).astype(np.float64), corners.max(axis=(0, 1)).astype(np.float64)
     pad = np.maximum(1e-4 * (high - low).max(), 1e-6 * np.abs([low, high]).max() + 1e-9)
     return low - pad, high - low + 2 * pad
