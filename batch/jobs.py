@@ -8,7 +8,6 @@ import numpy as np
 
 from ..addon.cache import Cache
 from ..addon.errors import CatoptricError, SceneError
-from ..addon.methods.contract import Frame
 from ..addon.methods.registry import METHODS
 from ..addon.metrics import PictureError
 from ..addon.parameters import Value
@@ -133,7 +132,7 @@ class _Comparison:
             self._warn(
                 f"{source.name}: frames {frames[0]} to {frames[-1]} go beyond the scene's own, {first} to {last}"
             )
-        if footage.first_change(frames, bar.step("", 0.0, _SEARCHED)) is None:
+        if footage.first_change(frames, bar.step("frames", 0.0, _SEARCHED)) is None:
             self._warn(
                 f"{source.name}: neither the camera nor anything else moves from frame {frames[0]} to {frames[-1]}; "
                 f"frame {frames[0]} is measured for all of them"
@@ -260,7 +259,7 @@ class _Comparison:
         frame = taken.frame
         if name == self.job.against:
             shot.reference = frame.color
-        row = shot.result(name, frame.color, self._settings(name), _times(frame, taken.bake_ms), refusals, frame.reuse)
+        row = shot.result(name, frame.color, self._settings(name), taken.times, refusals, frame.reuse)
         self._keep(row)
 
     def _peer(self, shooting: "_Shooting", shot: Shot, name: str, progress: Progress) -> None:
@@ -352,8 +351,3 @@ class _Shooting:
     def alone(self) -> bool:
         """Whether it is the only frame: then no method stays prepared after its picture."""
         return self.count == 1
-
-
-def _times(frame: Frame, bake_ms: float) -> Times:
-    stages = {name: float(time) for name, time in frame.time_ms.items() if name not in ("reflection", "frame")}
-    return Times(bake_ms, frame.time_ms.get("reflection"), frame.time_ms.get("frame"), stages)

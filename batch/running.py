@@ -9,6 +9,9 @@ from ..addon.methods.registry import METHODS
 from ..addon.parameters import Value
 from ..addon.progress import Progress, part_of
 from .judging import Shot
+from .results import Times
+
+_WHOLE = "reflection", "frame"
 
 
 @dataclass
@@ -27,6 +30,12 @@ class Taken:
     frame: Frame
     bake_ms: float
     anew: bool = False
+
+    @property
+    def times(self) -> Times:
+        """What it took, as a row has it."""
+        stages = {name: float(time) for name, time in self.frame.time_ms.items() if name not in _WHOLE}
+        return Times(self.bake_ms, *(self.frame.time_ms.get(name) for name in _WHOLE), stages)
 
 
 class Running:
