@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 
 from ..gl import DataTexture
-from ..scene import Lighting, Scene
+from ..scene import Lighting, Material, Scene
 from .lamps import world_light
 from .rasteriser import Rasteriser
 from .tables import geometry_tables, material_defines, record_table
@@ -97,6 +97,11 @@ class Resident:
         """What a program that lights surfaces is compiled with: the light, and what the materials use."""
         return {"LIGHTING": _LIGHTING[self.lighting], **self._material_defines}
 
+    @property
+    def rough(self) -> bool:
+        """Whether any material mirrors other than perfectly in this light."""
+        return self.lighting is not Lighting.UNLIT and any(map(_is_rough, self.scene.materials))
+
     def bind(self, shader: moderngl.Program) -> None:
         """Bind every table that `shader` reads, and set the uniforms that belong to the scene.
 
@@ -122,6 +127,11 @@ class Resident:
         for texture in self._textures.values():
             texture.release()
         self.rasteriser.release()
+
+
+def _is_rough(material: Material) -> bool:
+    roughness = material.roughness
+    return material.mirrors and (roughness.image is not None or any(channel > 0.0 for channel in roughness.color))
 
 
 def _geometry(scene: Scene) -> tuple:

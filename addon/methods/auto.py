@@ -47,11 +47,14 @@ def choose(scene: Scene, reflector: Instance, tolerance: float = TOLERANCE.defau
 
 
 def _rough(situation: Situation) -> Choice | None:
-    if situation.blur <= situation.tolerance or GlossyPlanar.applies_to(situation.scene, situation.reflector):
+    if situation.blur <= situation.tolerance:
         return None
+    shape, method = "flat", GlossyPlanar
+    if GlossyPlanar.applies_to(situation.scene, situation.reflector):
+        shape, method = "not flat", LayeredDepth
     return Choice(
-        GlossyPlanar.name,
-        f"it is flat, and so rough that what is far away blurs by {_pixels(situation.blur)}, which this method shows",
+        method.name,
+        f"it is {shape}, and so rough that what is far away blurs by {_pixels(situation.blur)}: this method shows that",
     )
 
 

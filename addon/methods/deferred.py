@@ -23,6 +23,10 @@ _TIMED = 3
 """How often what a frame prepares is timed, where a picture has several samples."""
 
 
+Bind = Callable[[moderngl.Program], None]
+"""Sets what a shader reads besides the scene."""
+
+
 class EnsembleMethod(Method):
     """A method that says which reflectors are drawn by what; an ensemble of one or several paints them."""
 
@@ -112,8 +116,16 @@ class DeferredMethod(EnsembleMethod):
 
     def reflect(self, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
         """Add the reflections of the marked reflectors; `sample` as `ScreenPass.draw` takes it."""
-        self.bind_reflection(self._pass.shader, view)
+        self.draw_pass(lambda shader: self.bind_reflection(shader, view), view, seen, target, **sample)
+
+    def draw_pass(self, bind: Bind, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
+        """Draw the method's shader, for which `bind` sets what it reads besides the scene."""
+        bind(self._pass.shader)
+        self.bind_sample(self._pass.shader, view, sample["offset"])
         self._pass.draw(view.camera, seen, target, **sample)
+
+    def bind_sample(self, shader: moderngl.Program, view: View, offset: tuple[float, float]) -> None:
+        """Set what differs from sample to sample of a pixel; `offset` as `ScreenPass.draw` takes it."""
 
     def reflect_in_stages(self, clock: Clock, view: View, seen: Visibility, target, **sample) -> None:
         """The same for the camera's own picture, timed: in one stage, unless a method names several."""

@@ -15,6 +15,7 @@ from .gloss import lobe_angle_of_roughness
 from .mirrors import Mirror, Registration
 from .planar import ANGLE, DEPTH, GAP, PICTURE_UNIT, Picture, Planar
 from .plane_distances import PlaneDistances
+from .rough import SHARED, Rough
 
 _LOBE_SHARE = 0.96
 """The share of a lobe that the margin has room for."""
@@ -33,7 +34,7 @@ MARGIN = Parameter(
 )
 
 
-class GlossyPlanar(Planar):
+class GlossyPlanar(Rough, Planar):
     """Flat mirrors of any roughness: rays of the material's own lobe, followed through the mirrored picture.
 
     Each pixel draws facets from the GGX distribution that its roughness stands for (a texture's value there, if
@@ -43,10 +44,12 @@ class GlossyPlanar(Planar):
 
     Few rays are enough: the samples of a pixel share one even sequence of facets, and a ray shows the mean of the
     part of the lobe that it stands for, unless there is a silhouette in it. A pyramid of depth ranges tells between
-    which distances a ray must end, so that few steps find the place.
+    which distances a ray must end, so that few steps find the place. In a picture of one sample a pixel, each pixel
+    sends one ray and shows those of its neighbours too, as far as they are likely rays of its own.
 
     Source: the aim is that of the paper on glossy planar reflections; facets as in Dupuy and Benyoub 2023, rays in
-    screen space as in McGuire and Mara 2014, means as in Krivanek and Colbert 2008.
+    screen space as in McGuire and Mara 2014, means as in Krivanek and Colbert 2008, neighbours' rays as in Stachowiak
+    and Uludag 2015.
 
     Outputs: as every method; `distance` is that of one ray of the lobe.
 
@@ -56,7 +59,7 @@ class GlossyPlanar(Planar):
 
     name = "glossy-planar"
     source = "GGX rays through the mirrored picture's depth; after McGuire and Mara 2014, Dupuy and Benyoub 2023"
-    parameters = (RAYS, MARGIN, DEPTH, ANGLE, GAP)
+    parameters = (RAYS, SHARED, MARGIN, DEPTH, ANGLE, GAP)
     shader = "glossy/glossy_planar.frag"
 
     clipping = Clipping.PROJECTIVE_TEXTURE
@@ -93,10 +96,7 @@ class GlossyPlanar(Planar):
             "world_to_mirrored": tuple(world_to_clip(view.camera, *canvas.size, picture.offset).T.ravel()),
             "mirrored_axis": tuple(axis),
             "reach": view.camera.far,
-            "rays": self.settings["rays"],
             "focus": 0.5 * canvas.size[0] * float(view.camera.projection(*canvas.size)[0, 0]),
-            "cone": 2.0 * math.sqrt(math.pi / (self.settings["rays"] * view.samples**2)),
-            "first_ray": self.settings["rays"] * _number(picture),
         }
         for name, value in uniforms.items():
             if name in shader:  # what is never rough needs no ray
@@ -115,10 +115,3 @@ def _widths_reached(scene: Scene, material: Material, view: View) -> float:
         return math.inf
     turned = 2.0 * float(lobe_angle_of_roughness(mean_roughness(scene, material), _LOBE_SHARE))
     return 0.5 * view.camera.projection(view.width, view.height)[0, 0] * math.tan(turned) if turned < 1.5 else math.inf
-
-
-def _number(picture: Picture) -> int:
-    """Of this sample among those of a pixel, row by row."""
-    side = picture.view.samples
-    column, row = (side * (0.5 + shift) - 0.5 for shift in picture.offset)
-    return round(row) * side + round(column)

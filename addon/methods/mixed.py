@@ -85,8 +85,8 @@ class Mixed(EnsembleMethod):
 class Auto(Mixed):
     """Each reflector by the cheapest method that its surroundings allow, with the reason.
 
-    What is flat and so rough that it blurs what is far away by more than `tolerance` pixels is drawn by
-    glossy-planar; for the rest roughness does not count.
+    What is so rough that it blurs what is far away by more than `tolerance` pixels is drawn by glossy-planar where it
+    is flat, and by layered-depth where it is not.
 
     An environment map shows everything as if it lay infinitely far away. How far that puts the nearest
     object out of place on the screen follows from its distance, the reflector's size and curvature, and the

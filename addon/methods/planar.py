@@ -24,7 +24,7 @@ from ..progress import Progress
 from ..scene import Instance, Scene
 from .contract import View
 from .deferred import Cast, DeferredMethod
-from .layered_depth import LayeredDepth, reflections_left
+from .layered_depth import LayeredDepth
 from .mirrors import (
     Bounds,
     Mirror,
@@ -40,6 +40,7 @@ from .mirrors import (
     towards,
     why_not_flat,
 )
+from .traced import reflections_left
 
 _SECTION = "Advanced Graphics Programming Using OpenGL, 17.1.2"
 _PARTS_UNIT = FREE_UNIT + 1
@@ -163,7 +164,7 @@ class Planar(DeferredMethod):
             numbers.append((parts.part[:, None] + 1).astype(np.uint32))
         self._parts = DataTexture(np.concatenate(numbers))
         self._mark = program(None, "planar/mark.frag")
-        self._rest = ScreenPass("planar/rest.frag", self.resident, Part.REFLECTORS)
+        self._rest = ScreenPass("planar/rest.frag", self.resident, Part.REFLECTORS, self.defines)
 
     def reflect(self, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
         """Draw what every mirror in sight shows, and put it there; then what is not flat."""
@@ -172,13 +173,12 @@ class Planar(DeferredMethod):
             if seen.shows(partial(self._draw_mark, mirror, seen)):
                 picture = self._look_into(mirror, bounds, view, seen, sample["offset"])
                 target.scissor = bounds
-                self._bind_mirror(self._pass.shader, mirror.instance, mirror.part)
-                self.bind_picture(self._pass.shader, picture)
-                self._pass.draw(view.camera, seen, target, **sample)
+                self.draw_pass(partial(self._bind_shown, picture), view, seen, target, **sample)
         target.scissor = whole
         for index in self._rests:
             self._bind_mirror(self._rest.shader, index, 0)
             self._rest.shader["reflections"] = reflections_left(self.scene, view)
+            self.bind_sample(self._rest.shader, view, sample["offset"])
             self._rest.draw(view.camera, seen, target, **sample)
 
     def _in_sight(self, view: View, size: tuple[int, int]) -> Iterator[tuple[Mirror, Bounds]]:
@@ -235,6 +235,10 @@ class Planar(DeferredMethod):
         self._parts.use(_PARTS_UNIT)
         shader["mirror_parts"] = _PARTS_UNIT
         shader["mirror"] = index, part, self._first[index]
+
+    def _bind_shown(self, picture: "Picture", shader: moderngl.Program) -> None:
+        self._bind_mirror(shader, picture.mirror.instance, picture.mirror.part)
+        self.bind_picture(shader, picture)
 
     def bind_picture(self, shader: moderngl.Program, picture: "Picture") -> None:
         """Have the mirror show this; texture units from PICTURE_UNIT on are free."""

@@ -1,15 +1,11 @@
 """Every reflected ray, traced."""
 
-import moderngl
-
 from ..progress import Progress
-from .contract import View
-from .deferred import DeferredMethod
-from .layered_depth import reflections_left
+from .traced import Traced
 from .tracers import RAY_TRACED, prepare_tracer, tracer_defines
 
 
-class RayTraced(DeferredMethod):
+class RayTraced(Traced):
     """Every reflected ray goes down a hierarchy of boxes to the triangle that it meets first.
 
     Two levels: each mesh has a tree of its own, built once however often it is placed, and the objects' boxes
@@ -25,23 +21,18 @@ class RayTraced(DeferredMethod):
 
     Outputs: as every method.
 
-    Limitations: mirror-like materials only (roughness counts as 0); no refraction; the tree of a mesh that deforms
-    is built anew, some seconds for 1,000,000 triangles.
+    Limitations: few `rays` are noisy where a mirror is rough; no refraction; the tree of a mesh that deforms is
+    built anew, some seconds for 1,000,000 triangles.
     """
 
     name = RAY_TRACED
     source = "Meister and Bittner 2018, Ylitie et al. 2017: a hierarchy of boxes for each mesh, and one above"
-    shader = "traced/traced.frag"
 
     @property
     def defines(self) -> dict[str, int]:
         """Which tracer."""
-        return tracer_defines(self.name)
+        return {**super().defines, **tracer_defines(self.name)}
 
     def bake(self, progress: Progress) -> None:
         """Grow the trees."""
         prepare_tracer(self.name, self.resident, progress)
-
-    def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
-        """How often a path reflects."""
-        shader["reflections"] = reflections_left(self.scene, view)

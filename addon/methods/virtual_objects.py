@@ -14,7 +14,7 @@ from ..progress import Progress
 from .contract import View
 from .deferred import DeferredMethod
 from .environment_map import CUBE_SIZE
-from .layered_depth import reflections_left
+from .traced import reflections_left
 from .virtual_bounce import MET_UNIT, Bounce
 from .virtual_scene import VirtualScene
 

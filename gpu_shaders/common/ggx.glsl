@@ -17,6 +17,12 @@ float smith_lambda(vec3 direction, float alpha) {
     return 0.5 * (sqrt(1.0 + slope) - 1.0);
 }
 
+// How likely `sample_half` is to draw a half vector, over the directions that it mirrors to `view`; but for a factor 4.
+float facets_seen(vec3 view, vec3 half_way, float alpha) {
+    float squared = alpha * alpha, falls = (squared - 1.0) * half_way.z * half_way.z + 1.0;
+    return 2.0 * squared / (TAU * falls * falls * view.z * (1.0 + smith_lambda(view, alpha)));
+}
+
 // Share of the light along `light` that gets through to `view`, of what a half vector drawn by `sample_half` lets in.
 float passed_on(vec3 view, vec3 light, float alpha) {
     float seen = smith_lambda(view, alpha), lit = smith_lambda(light, alpha);

@@ -14,6 +14,8 @@ struct Facet {
     vec3 direction;  // in the world: where the light comes from that the facet mirrors to the viewer
     vec3 kept;       // share of it that reaches the viewer, over the chance that the facet was drawn; 0: none gets out
     vec3 covered;    // share that facets like it keep from what lies under the surface
+    float density;   // of the chance that it was drawn, over the directions of the light
+    vec2 drawn;      // the numbers that drew it
 };
 
 // Share of light from anywhere that a facet mirrors on average (dielectrics: the fit of Kulla and Conty 2017).
@@ -39,14 +41,27 @@ Lobe lobe_of(Surface s, vec3 direction) {
     return lobe;
 }
 
-// The facet that two uniform numbers draw from the lobe.
-Facet facet_of(Lobe lobe, Surface s, vec2 u) {
-    vec3 half_way = sample_half(lobe.view, lobe.alpha, u), light = reflect(-lobe.view, half_way);
+// The facet that mirrors `light`, in the lobe's frame, to the viewer.
+Facet facet_between(Lobe lobe, Surface s, vec3 light, vec3 half_way) {
     // What stays between facets covers what lies under them as little as can be: so Cycles' tables have it.
     vec3 mirrored = reflectance_at(s, light.z > 0.0 ? clamp(dot(lobe.view, half_way), 0.0, 1.0) : 1.0);
-    Facet facet = Facet(lobe.frame * light, vec3(0.0), lobe.covers * mirrored);
+    float density = facets_seen(lobe.view, half_way, lobe.alpha);
+    Facet facet = Facet(lobe.frame * light, vec3(0.0), lobe.covers * mirrored, density, vec2(0.0));
     if (light.z > 0.0 && dot(facet.direction, s.flat_normal) > 0.0)
         facet.kept = lobe.multiple * mirrored * passed_on(lobe.view, light, lobe.alpha);
+    return facet;
+}
+
+Facet facet_towards(Lobe lobe, Surface s, vec3 light) {
+    vec3 half_way = normalize(light + lobe.view);
+    return facet_between(lobe, s, light, half_way.z < 0.0 ? -half_way : half_way);
+}
+
+// The facet that two uniform numbers draw from the lobe.
+Facet facet_of(Lobe lobe, Surface s, vec2 u) {
+    vec3 half_way = sample_half(lobe.view, lobe.alpha, u);
+    Facet facet = facet_between(lobe, s, reflect(-lobe.view, half_way), half_way);
+    facet.drawn = u;
     return facet;
 }
 
@@ -58,13 +73,42 @@ vec3 uncovered(Surface s, vec3 direction, vec3 covered) {
 
 // ---- Two numbers for each ray
 
+uniform int first_ray;  // of this sample, among all that the pixel's samples look along
+
 // 0..1, even over the pixels of a neighbourhood (Jimenez 2014).
 float dither(vec2 pixel) {
     return fract(52.9829189 * fract(dot(pixel, vec2(0.06711056, 0.00583715))));
 }
 
-// Even over the rays of a pixel, those of all its samples (Roberts 2018), and other in each pixel.
+// Even from one ray to the next (Roberts 2018).
+vec2 even(int ray) {
+    return float(ray) * vec2(0.7548776662, 0.5698402910);
+}
+
+// Even over the rays of a pixel, those of all its samples, and other in each pixel.
 vec2 random(int ray) {
-    vec2 start = vec2(dither(gl_FragCoord.xy), dither(gl_FragCoord.xy + vec2(47.0, 17.0)));
-    return fract(start + float(ray) * vec2(0.7548776662, 0.5698402910));
+    return fract(vec2(dither(gl_FragCoord.xy), dither(gl_FragCoord.xy + vec2(47.0, 17.0))) + even(ray));
+}
+
+// Two numbers that tell nothing of each other, nor of those of other `v` (Jarzynski and Olano 2020).
+vec2 hashed(uvec2 v) {
+    v = v * 1664525u + 1013904223u;
+    v.x += v.y * 1664525u;
+    v.y += v.x * 1664525u;
+    v ^= v >> 16u;
+    v.x += v.y * 1664525u;
+    v.y += v.x * 1664525u;
+    v ^= v >> 16u;
+    return vec2(v >> 8u) / 16777216.0;
+}
+
+// For a ray that is turned once more.
+vec2 random(int ray, int turn) {
+    return fract(random(0) + hashed(uvec2(ray, turn)));
+}
+
+// Even over the pixels of every square of `side` by `side`, and yet other in each.
+vec2 shared_random(int side) {
+    ivec2 place = ivec2(gl_FragCoord.xy) % side;
+    return fract(even(place.x + side * place.y) + hashed(uvec2(gl_FragCoord.xy)) / float(side));
 }

@@ -1,7 +1,6 @@
 // A rough flat mirror: rays of its GGX lobe, followed through the picture that the mirrored camera saw.
 
-#include "common/reflection.glsl"
-#include "common/lobe.glsl"
+#include "common/rough.glsl"
 #include "planar/mirror.glsl"
 
 uniform sampler2D mirrored;        // radiance
@@ -12,10 +11,7 @@ uniform int levels;                // the last
 uniform mat4 world_to_mirrored;    // clip space of the mirrored camera
 uniform vec4 mirrored_axis;        // depth of a point: dot with (point, 1)
 uniform float reach;               // metres: where an orthographic camera's rays are half way to infinity
-uniform int rays;
 uniform float focus;               // texels to a metre, a metre away; an orthographic camera's anywhere
-uniform float cone;                // width of what a ray stands for, a metre away, to alpha; in the lobe's middle
-uniform int first_ray;             // of this sample, among all that the pixel's samples look along
 
 const int MOST_STEPS = 8, HALVINGS = 4, NARROWINGS = 3;
 const float STRIDE = 1.0;          // texels: what is nearer together is not told apart
@@ -159,31 +155,24 @@ vec3 radiance_at(Way way, vec2 place, float t, float width) {
     return textureLod(mirrored, place, level).rgb;
 }
 
+bool is_shown(Surface s) {
+    return shows_mirror(s.at.instance, s.at.triangle);
+}
+
 // What lies straight behind the mirror is at the pixel's own place, within the margin.
-Mirrored perfect(Surface s, vec3 direction) {
+Mirrored sharp_light(Surface s, vec3 direction) {
     ivec2 place = ivec2(gl_FragCoord.xy) + (textureSize(mirrored, 0) - textureSize(visibility, 0)) / 2;
     Ray ray = mirrored_ray(s, direction);
     vec3 radiance = reflectance(s, direction) * texelFetch(mirrored, place, 0).rgb;
     return Mirrored(radiance, metres_to(way_of(ray), texelFetch(mirrored_depth, place, 0).x));
 }
 
-Mirrored mirrored_light(Surface s, vec3 direction) {
-    if (!shows_mirror(s.at.instance, s.at.triangle)) discard;
-    if (alpha_of(s) < SHARP) return perfect(s, direction);
-    Lobe lobe = lobe_of(s, direction);
-    vec3 sum = vec3(0.0), covered = vec3(0.0);
-    float narrowest = cone * lobe.alpha * lobe.view.z;  // across the plane of incidence, where no lobe is stretched
-    float nearest = FAR;
-    for (int i = 0; i < rays; ++i) {
-        vec2 u = random(first_ray + i);
-        Facet facet = facet_of(lobe, s, u);
-        covered += facet.covered;
-        if (facet.kept == vec3(0.0)) continue;
-        Way way = way_of(Ray(s.position, facet.direction));
-        float t, width = narrowest / (1.0 - u.y);
-        vec2 place = follow(way, fract(u.x + 0.381966 * float(i)), t);
-        sum += facet.kept * (t < FAR ? radiance_at(way, place, t, width) : world_radiance(facet.direction));
-        if (i == 0) nearest = t;
-    }
-    return Mirrored(sum / float(rays) + uncovered(s, direction, covered / float(rays)), nearest);
+Mirrored light_along(Surface s, Lobe lobe, Facet facet, int number, int count) {
+    // What the ray stands for in the middle of the lobe, across the plane of incidence, where no lobe is stretched.
+    float narrowest = 2.0 * sqrt(0.5 * TAU / float(count)) * lobe.alpha * lobe.view.z;
+    Way way = way_of(Ray(s.position, facet.direction));
+    float t;
+    vec2 place = follow(way, fract(facet.drawn.x + 0.381966 * float(number)), t);
+    if (t >= FAR) return Mirrored(world_radiance(facet.direction), FAR);
+    return Mirrored(radiance_at(way, place, t, narrowest / (1.0 - facet.drawn.y)), t);
 }

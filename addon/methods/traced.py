@@ -1,0 +1,33 @@
+"""Reflections by rays that are traced, sharp and rough."""
+
+import moderngl
+
+from ..parameters import Parameter
+from ..scene import Scene
+from .contract import View
+from .rough import SHARED, Rough
+
+RAYS = Parameter(
+    "rays",
+    "Rays",
+    1,
+    "Directions of a rough mirror's lobe that each sample of a pixel looks along",
+    minimum=1,
+    maximum=256,
+)
+
+
+class Traced(Rough):
+    """A method that follows rays from mirror to mirror, whatever finds what they meet."""
+
+    parameters = (RAYS, SHARED)
+    shader = "traced/traced.frag"
+
+    def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
+        """How often a path reflects."""
+        shader["reflections"] = reflections_left(self.scene, view)
+
+
+def reflections_left(scene: Scene, view: View) -> int:
+    """How often a path may reflect that a view begins: in all once more than Cycles' glossy bounces."""
+    return scene.glossy_bounces + 1 - view.mirrored
