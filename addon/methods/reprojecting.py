@@ -15,8 +15,8 @@ from ..scene import Scene
 from .contract import Reuse, View
 from .deferred import Clock, DeferredMethod
 from .gathering import Gathering
-from .layered_depth import reflections_left
 from .reflection_buffers import ReflectionBuffers, Sample
+from .traced import reflections_left
 from .tracers import prepare_tracer, tracer_defines
 
 _LIGHT_UNIT = FREE_UNIT + 1

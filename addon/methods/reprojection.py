@@ -14,9 +14,9 @@ from ..scene import Mesh, Scene
 from ..tracing import across_edges
 from .deferred import Clock
 from .gathering import LISTED_UNIT
-from .layered_depth import reflections_left
 from .reflection_buffers import UNITS, ReflectionBuffers, Sample
 from .reprojecting import SCHEDULE, THRESHOLD, History, ReprojectingMethod
+from .traced import reflections_left
 from .tracers import TRACER
 
 _KNOWN_UNIT = LISTED_UNIT + 1
