@@ -213,7 +213,7 @@ class GlossyPlanes(Planar):
         radii = wide * (ratios[1:] + ratios[:-1]) / 2.0
         return [Slab(*map(float, slab)) for slab in zip(heights[:-1], heights[1:], radii, strict=True)][::-1]
 
-    def _canvas(self, level: int, size: tuple[int, int]) -> Canvas:
+    def _canvas_of(self, level: int, size: tuple[int, int]) -> Canvas:
         """Kept until the screen changes: mirrors differ in what size they ask for."""
         if (level, size) not in self._canvases:
             self._canvases[level, size] = Canvas(*size)

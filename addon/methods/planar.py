@@ -207,7 +207,7 @@ class Planar(DeferredMethod):
     def _look_into(self, mirror: Mirror, bounds: Bounds, view: View, seen: Visibility, offset) -> "Picture":
         """What the mirror shows, at its place on the screen."""
         lies = self.registration(mirror, view, seen.size)
-        canvas = self._canvas(view.mirrored, lies.size)
+        canvas = self._canvas_of(view.mirrored, lies.size)
         camera = lies.camera(mirrored(view.camera, mirror, self.scene))
         bounds = lies.bounds(bounds)
         cut = cut_at(mirror, self.scene)
@@ -223,7 +223,7 @@ class Planar(DeferredMethod):
         self.ensemble.paint_mirrored(through, canvas, offset)
         return Picture(mirror, through, canvas, lies, offset)
 
-    def _canvas(self, level: int, size: tuple[int, int]) -> Canvas:
+    def _canvas_of(self, level: int, size: tuple[int, int]) -> Canvas:
         """Kept from frame to frame, one for each mirror in a mirror."""
         if level in self._canvases and self._canvases[level].size != size:
             self._canvases.pop(level).release()
