@@ -18,6 +18,7 @@ from .stage import mesh_of
 _ROW = 4096
 _EVERYTHING = 1e30
 _MAPS_UNIT = 11
+_LAST_UNIT = 13
 
 
 def sphere(subdivisions: int = 5) -> Mesh:
@@ -83,10 +84,12 @@ class Search:
         camera: Camera | None = None,
         samples: Samples | None = None,
         size: tuple[int, int] = (512, 512),
+        before: Found | None = None,
     ) -> Found:
         """Where the GPU finds that `vertices` (N, 3) are reflected.
 
-        `eye` is a point and 1, or a direction and 0. Searches that are not on one whole body begin from `samples`.
+        `eye` is a point and 1, or a direction and 0. Searches that are not on one whole body begin from `samples`, or,
+        as others may, where those `before` have ended.
         """
         context, shader, rows = require(), self._shader, -(-len(vertices) // _ROW)
         buffer = context.buffer(np.ascontiguousarray(vertices, np.float32))
@@ -101,6 +104,10 @@ class Search:
             "bundle": (0.0, 0.0, 0.0, _EVERYTHING),
             "bundle_axis": (0.0, 0.0, 1.0, np.pi),
             "concave": False,
+            "known": before is not None,
+            "last_shift": 0,
+            "results": _LAST_UNIT,
+            "results_again": _LAST_UNIT,
             "screen": size,
             "world_to_clip": tuple(world_to_clip(camera or self._scene.camera, *size).T.ravel()),
         }
@@ -114,15 +121,27 @@ class Search:
                 shader["sample_origins"].write(np.float32(samples.origins).tobytes())
                 shader["sample_directions"].write(np.float32(samples.directions).tobytes())
                 shader["sample_starts"].write(np.concatenate(samples.starts).astype(np.float32).tobytes())
+            if before:
+                results.append(_texture(before, rows))
+                results[-1].use(_LAST_UNIT)
             target.use()
             target.clear()
             context.enable_only(moderngl.NOTHING)
             array.render(moderngl.POINTS)
-            found, shown, _ = (np.frombuffer(one.read(), np.float32).reshape(-1, 4)[: len(vertices)] for one in results)
+            found, shown, _ = (
+                np.frombuffer(one.read(), np.float32).reshape(-1, 4)[: len(vertices)] for one in results[:3]
+            )
             return Found(found[:, :3].astype(float), found[:, 3], shown[:, :2].astype(float))
         finally:
             for part in (target, *results, array, buffer):
                 part.release()
+
+
+def _texture(found: Found, rows: int) -> moderngl.Texture:
+    """As a frame leaves its results to the next."""
+    texels = np.zeros((rows * _ROW, 4), np.float32)
+    texels[: len(found.lean)] = np.c_[found.directions, found.lean]
+    return require().texture((_ROW, rows), 4, texels, dtype="f4")
 
 
 def alhazen(eye: np.ndarray, vertices: np.ndarray) -> np.ndarray:

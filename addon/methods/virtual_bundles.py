@@ -36,16 +36,26 @@ class Bundle:
         """(N,) bool: whether a ray may meet each of the balls of `centres` (N, 3) and `radii` (N,)."""
         return may_meet(self.centre, self.radius, self.axis, self.spread, centres, radii)
 
+    def is_near(self, other: "Bundle", share: float) -> bool:
+        """Whether the rays are nearly those of another bundle: apart by a share of how far they are from each other."""
+        turned = np.arccos(np.clip(self.axis @ other.axis, -1.0, 1.0))
+        moved = np.linalg.norm(self.centre - other.centre)
+        return bool(turned <= share * self.spread and moved <= share * self.radius)
+
 
 def may_meet(
     centre: np.ndarray, radius: np.ndarray, axis: np.ndarray, spread: np.ndarray, centres: np.ndarray, radii: np.ndarray
 ) -> np.ndarray:
     """(N,) bool: whether rays as of a bundle's, of one or of N of them, may meet N balls."""
     ways = centres - centre
-    away = np.maximum(np.sqrt((ways * ways).sum(axis=-1)), 1e-30)
+    square = np.einsum("ij,ij->i", ways, ways)
     near = radii + radius
-    widened = spread + np.arcsin(np.minimum(near / away, 1.0))
-    return (away <= near) | (np.arccos(np.clip((ways * axis).sum(axis=-1) / away, -1.0, 1.0)) <= widened)
+    along = (ways * axis).sum(axis=-1) if axis.ndim > 1 else ways @ axis
+    aside = np.sqrt(np.maximum(square - along * along, 0.0))
+    # Around the apex, in the cone, or no farther than the radius from its side. No angles: they are dear.
+    cosine, sine = np.cos(np.minimum(spread, np.pi)), np.sin(np.minimum(spread, np.pi))
+    beside = (aside * cosine - along * sine <= near) & (along * cosine + aside * sine >= 0.0)
+    return (square <= near * near) | (along >= np.sqrt(square) * cosine) | beside
 
 
 class Run(NamedTuple):

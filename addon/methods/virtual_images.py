@@ -8,17 +8,17 @@ import numpy as np
 from ..baking.reflector_maps_tables import ResidentMaps
 from ..drawing import Resident, world_to_clip
 from ..gl import capture, feedback, program, require, screen
-from ..gl.textures import WIDTH as ROW
 from .contract import View
 from .virtual_bundles import Bundle, Run
 from .virtual_rays import AFTER_RAYS, MAPS_UNIT, MirroredRays, eye_of
+from .virtual_results import TEXTURES, Results, pieces
 from .virtual_scene import VirtualScene, runs_of
 
 _EMIT = {"vertex_shader": "virtual/emit.vert", "geometry_shader": "virtual/emit.geom"}
 _BYTES = 16
 _FIRST_CAPACITY = 1 << 18
 _RESULTS_UNIT = AFTER_RAYS
-_SOURCES_UNIT = _RESULTS_UNIT + 3
+_SOURCES_UNIT = _RESULTS_UNIT + TEXTURES
 
 _BEHIND_ALL = 0.99999
 """Before the far end, -1 to 1."""
@@ -44,8 +44,8 @@ class Images:
         self._counters: list[moderngl.Query] = []
         self._drawn: list[tuple[Bundle, int, int]] = []
         self._paths: list[tuple[Bundle, list[Run]]] = []
-        self._target = self._corners = self._rectangles = None
-        self._results: list[moderngl.Texture] = []
+        self._corners = self._rectangles = None
+        self._results, self._last, self._view = Results(), Results(), None
         self._reserve(_FIRST_CAPACITY)
 
     def _reserve(self, corners: int) -> None:
@@ -58,7 +58,13 @@ class Images:
         self._rectangles = context.vertex_array(self._draw, [(self._corners, "2f 2i", "corner", "triangle")])
 
     def find(self, view: View, size: tuple[int, int], bundles: Sequence[Bundle]) -> None:
-        """Search the images in a view of `size` pixels that may be seen by these paths."""
+        """Search the images in a view of `size` pixels that may be seen by these paths.
+
+        Searches begin from what was found for the view before, where that had nearly the same rays.
+        """
+        if self._view is not None and not view.shows_the_same(self._view):
+            self._results, self._last = self._last, self._results
+        self._view = view
         self._paths = self._plan(bundles)
         self._set_up(view, size)
         self._search_points()
@@ -67,28 +73,21 @@ class Images:
 
     def _plan(self, bundles: Sequence[Bundle]) -> list[tuple[Bundle, list[Run]]]:
         """What to search, all culled that no ray of a path can meet, and paths that are not worth it."""
-        paths, result = [], 0
+        paths, result, held = [], 0, np.diff(self._scene.points)
         for bundle in bundles:
-            runs, count = [], 0
-            for first, end in runs_of(bundle.reaches(self._scene.centres, self._scene.radii)):
-                runs.append(Run(bundle, first, end, result + count))
-                count += self._count(runs[-1])
-            if count <= self._worth * bundle.count:
-                paths.append((bundle, runs))
-                result += count
-        self._make_room(-(-max(1, result) // ROW))
+            reached = bundle.reaches(self._scene.centres, self._scene.radii)
+            if held @ reached > self._worth * bundle.count:
+                continue
+            runs = []
+            for first, end in runs_of(reached):
+                runs.append(Run(bundle, first, end, result))
+                result += self._count(runs[-1])
+            paths.append((bundle, runs))
+        self._results.make_room(result, paths)
         return paths
 
     def _count(self, run: Run) -> int:
         return int(self._scene.points[run.end] - self._scene.points[run.first])
-
-    def _make_room(self, height: int) -> None:
-        if self._target is None or self._target.height < height:
-            for part in (self._target, *self._results):
-                if part:
-                    part.release()
-            self._results = [require().texture((ROW, height), 4, dtype="f4") for _ in range(3)]
-            self._target = require().framebuffer(self._results)
 
     def _set_up(self, view: View, size: tuple[int, int]) -> None:
         uniforms = {
@@ -96,7 +95,7 @@ class Images:
             "steps": self._steps,
             "screen": size,
             "world_to_clip": tuple(world_to_clip(view.camera, *size).T.ravel()),
-            "results_height": self._target.height,
+            "results_height": self._results.height,
             "results": _RESULTS_UNIT,
             "results_shown": _RESULTS_UNIT + 1,
             "results_again": _RESULTS_UNIT + 2,
@@ -108,14 +107,30 @@ class Images:
                     shader[name] = value
 
     def _search_points(self) -> None:
-        self._target.use()
+        self._results.target.use()
         require().enable_only(moderngl.NOTHING)
+        self._bind(self._last)
         for bundle, runs in self._paths:
             self._choose(self._search, bundle)
+            before = self._last.runs_like(bundle)
             for run in runs:
-                begin = int(self._scene.points[run.first])
-                self._search["result_shift"] = run.result - begin
-                self._points.render(moderngl.POINTS, vertices=self._count(run), first=begin)
+                self._search["result_shift"] = run.result - int(self._scene.points[run.first])
+                for first, end, last in pieces(run, before):
+                    self._search_piece(first, end, last)
+
+    def _search_piece(self, first: int, end: int, last: Run | None) -> None:
+        """The points of some chunks in a row, which were searched in the run `last` of the frame before, if in any."""
+        points = self._scene.points
+        begin = int(points[first])
+        self._search["known"] = last is not None
+        if last:
+            self._search["last_shift"] = last.result - int(points[last.first])
+        self._points.render(moderngl.POINTS, vertices=int(points[end]) - begin, first=begin)
+
+    @staticmethod
+    def _bind(results: Results) -> None:
+        for unit, texture in enumerate(results.textures, _RESULTS_UNIT):
+            texture.use(unit)
 
     def _choose(self, shader: moderngl.Program, bundle: Bundle) -> None:
         """Have a shader search the path of a bundle."""
@@ -135,8 +150,7 @@ class Images:
 
     def _emit_rectangles(self) -> int:
         """Write what was found as rectangles; how many corners they would have, given room."""
-        for unit, texture in enumerate(self._results, _RESULTS_UNIT):
-            texture.use(unit)
+        self._bind(self._results)
         self._scene.bind(self._emit, _SOURCES_UNIT)
         while len(self._counters) < len(self._paths):
             self._counters.append(require().query(primitives=True))
@@ -191,6 +205,6 @@ class Images:
 
     def release(self) -> None:
         """Give the memory back."""
-        for part in (self._target, *self._results, self._rectangles, self._corners, self._points, self._triangles):
-            if part:
-                part.release()
+        parts = self._results, self._last, self._rectangles, self._corners, self._points, self._triangles
+        for part in parts:
+            part.release()
