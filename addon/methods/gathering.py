@@ -1,5 +1,6 @@
 """Passes over the pixels that nothing is known of, and no others."""
 
+from enum import Enum
 from functools import cache
 
 import moderngl
@@ -11,9 +12,16 @@ from .reflection_buffers import ReflectionBuffers
 
 _LIST = {"vertex_shader": "reprojection/missing.vert", "geometry_shader": "reprojection/missing.geom"}
 _PIXEL_BYTES = 8
-_UNSEEN = -1.0  # as in gpu_shaders/reprojection/kept.glsl
 
 LISTED_UNIT = FREE_UNIT + 1
+
+
+class Missing(Enum):
+    """Up to what alpha light is missing, for which reason: as in gpu_shaders/reprojection/kept.glsl."""
+
+    AGAIN = -1.0
+    UNSEEN = -2.0
+    ALL = -np.inf
 
 
 class Gathering:
@@ -36,10 +44,10 @@ class Gathering:
         self._found = ReflectionBuffers(size)
         self.count = 0
 
-    def gather(self, picture: ReflectionBuffers, unseen: bool = False) -> int:
-        """List what is missing of a picture, or only what was `unseen` in another; how many pixels that is."""
+    def gather(self, picture: ReflectionBuffers, missing: Missing = Missing.ALL) -> int:
+        """List what is missing of a picture; how many pixels that is."""
         picture.light.use(LISTED_UNIT)
-        self._list["lights"], self._list["least"] = LISTED_UNIT, _UNSEEN if unseen else -np.inf
+        self._list["lights"], self._list["least"] = LISTED_UNIT, missing.value
         counted = _counter()
         with counted:
             self._points.transform(self._pixels, moderngl.POINTS, vertices=self._size[0] * self._size[1])

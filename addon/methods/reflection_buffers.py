@@ -10,7 +10,7 @@ from ..gl import require, set_uniforms
 from ..scene import Scene
 from .contract import View
 
-UNITS = 3
+UNITS = 2
 """Texture units that the buffers take."""
 
 
@@ -25,8 +25,8 @@ class Sample:
 class ReflectionBuffers:
     """The reflection buffers of one sample of a picture (Xie et al., 3.1). Lives on the GL thread.
 
-    As gpu_shaders/reprojection/kept.glsl writes them: `geometry` holds the mirror's normal in two channels, the metres
-    from the camera and which instance it is; `light` the radiance that arrives there and the metres that it came;
+    As gpu_shaders/reprojection/kept.glsl writes them: `geometry` holds the mirror's normal, the metres from the camera
+    and to what is met, and which instance it is; `light` the radiance that arrives there and the metres that it came;
     `met` names the triangles where it came from. They are of `sample` and of `scene`, None while they are empty;
     `age` counts the pictures that took over from them.
     """
@@ -34,9 +34,9 @@ class ReflectionBuffers:
     def __init__(self, size: tuple[int, int], parts: moderngl.Renderbuffer | None = None) -> None:
         """Make room for a picture of `size`; `parts` as of `Visibility`, which spares passes all other pixels."""
         context = require()
-        self.geometry, self.light = (context.texture(size, 4, dtype="f4") for _ in range(2))
-        self.met = context.texture(size, 4, dtype="u4")
-        self.met.filter = (moderngl.NEAREST, moderngl.NEAREST)
+        self.light = context.texture(size, 4, dtype="f4")
+        self.geometry, self.met = (context.texture(size, 4, dtype="u4") for _ in range(2))
+        self.geometry.filter = self.met.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self.target = context.framebuffer([self.geometry, self.light, self.met], parts)
         self.target.depth_mask = False
         self.sample: Sample | None = None
@@ -51,7 +51,7 @@ class ReflectionBuffers:
 
     def bind(self, shader: moderngl.Program, unit: int) -> None:
         """Have a shader read them as gpu_shaders/reprojection/buffers.glsl does, from texture unit `unit` on."""
-        textures = {"known_geometry": self.geometry, "known_light": self.light, "known_met": self.met}
+        textures = {"known_geometry": self.geometry, "known_met": self.met}
         for place, texture in enumerate(textures.values(), unit):
             texture.use(place)
         size, camera = self.geometry.size, self.sample.view.camera
@@ -68,8 +68,8 @@ class ReflectionBuffers:
 
     def mask(self) -> np.ndarray:
         """(H, W) bool, row 0 at the bottom: the pixels that mirror."""
-        texels = np.frombuffer(self.geometry.read(), np.float32).reshape(*self.geometry.size[::-1], 4)
-        return texels[..., 3] > 0.0
+        texels = np.frombuffer(self.geometry.read(), np.uint32).reshape(*self.geometry.size[::-1], 4)
+        return texels[..., 3] > 0
 
     def release(self) -> None:
         """Give the memory back."""

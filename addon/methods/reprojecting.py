@@ -11,7 +11,7 @@ from ..drawing import FREE_UNIT, Part, ScreenPass, Visibility
 from ..gl import program
 from ..parameters import Parameter
 from ..progress import Progress
-from ..scene import Scene
+from ..scene import Scene, only_seen_from_elsewhere
 from .contract import Reuse, View
 from .deferred import Clock, DeferredMethod
 from .gathering import Gathering
@@ -86,7 +86,7 @@ class ReprojectingMethod(DeferredMethod):
 
     def follows(self, known: ReflectionBuffers) -> bool:
         """Whether an earlier picture is of any use for the scene as it is now."""
-        return known.scene is self.scene
+        return only_seen_from_elsewhere(self.scene, known.scene)
 
     def reflect_in_stages(self, clock: Clock, view: View, seen: Visibility, target, **sample) -> None:
         """Take over what is known, trace the rest, and show it."""
@@ -104,7 +104,7 @@ class ReprojectingMethod(DeferredMethod):
         if key.sample is None or 0 < self.settings["schedule"] <= key.age or not self.follows(key):
             return self._key_frame(clock, history, sample, seen)
         key.age += 1
-        if key.sample.view.shows_the_same(sample.view) and key.scene is self.scene:
+        if key.sample.view.shows_the_same(sample.view) and only_seen_from_elsewhere(self.scene, key.scene):
             history.note(sample, Taken(0.0, np.zeros((0, 2), int)))
             return key
         picture = history.begin(sample, self.scene)

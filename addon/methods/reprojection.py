@@ -13,7 +13,7 @@ from ..progress import Progress
 from ..scene import Mesh, Scene
 from ..tracing import across_edges
 from .deferred import Clock
-from .gathering import LISTED_UNIT
+from .gathering import LISTED_UNIT, Missing
 from .reflection_buffers import UNITS, ReflectionBuffers, Sample
 from .reprojecting import SCHEDULE, THRESHOLD, History, ReprojectingMethod
 from .traced import reflections_left
@@ -86,15 +86,18 @@ class Reprojection(ReprojectingMethod):
 
     def reuse(self, clock: Clock, picture: ReflectionBuffers, history: History, seen: Visibility) -> int:
         """Search what each ray meets: in the key frame, then in the last picture."""
-        sample, recent = picture.sample, history.recent_of(picture.sample)
+        sample = picture.sample
+        key, recent = history.key_of(sample), history.recent_of(sample)
         with clock("searching"):
-            whole, _ = self._search(history.key_of(sample), sample)
+            whole, _ = self._search(key, sample)
             with (counted := _counter()):
                 whole.draw(sample.view.camera, seen, picture.target, offset=sample.offset, blend=False)
+        with clock("searching once more"):
+            if history.gathering.gather(picture, Missing.AGAIN):
+                history.gathering.fill(picture, self._search(key, sample)[1], self.resident, seen)
         if self.settings["recent"] and recent is not None and self.follows(recent):
-            with clock("gathering for the last picture"):
-                history.gathering.gather(picture, unseen=True)
             with clock("searching the last picture"):
+                history.gathering.gather(picture, Missing.UNSEEN)
                 history.gathering.fill(picture, self._search(recent, sample)[1], self.resident, seen)
         return counted.samples
 

@@ -2,8 +2,7 @@
 
 #include "reprojection/octahedron.glsl"
 
-uniform sampler2D known_geometry;
-uniform sampler2D known_light;
+uniform usampler2D known_geometry;
 uniform usampler2D known_met;
 uniform mat4 known_camera_to_world;
 uniform vec4 known_window;
@@ -36,10 +35,11 @@ float pixel_size() {
 }
 
 Sample known_sample(ivec2 pixel) {
-    vec4 texel = is_in_picture(pixel) ? texelFetch(known_geometry, pixel, 0) : vec4(0.0);
+    uvec4 texel = is_in_picture(pixel) ? texelFetch(known_geometry, pixel, 0) : uvec4(0u);
     vec2 place = (vec2(pixel) + 0.5) / vec2(textureSize(known_geometry, 0));
     Ray eye = ray_through(place, known_window, known_orthographic, known_camera_to_world);
-    vec3 normal = from_octahedral(texel.xy);
-    return Sample(int(texel.w) - 1, eye.origin + texel.z * eye.direction, normal, reflect(eye.direction, normal),
-                  texelFetch(known_light, pixel, 0).a, texel.z);
+    vec3 normal = from_octahedral(2.0 * unpackUnorm2x16(texel.x) - 1.0);
+    float depth = uintBitsToFloat(texel.y);
+    return Sample(int(texel.w) - 1, eye.origin + depth * eye.direction, normal, reflect(eye.direction, normal),
+                  uintBitsToFloat(texel.z), depth);
 }

@@ -12,11 +12,11 @@ uniform usampler2D listed;  // the pixels, row by row; how many in all is `count
 uniform int count;
 #endif
 
-layout(location = 0) out vec4 geometry;  // normal of the mirror, in two; metres from the camera; instance + 1
-layout(location = 1) out vec4 light;     // radiance that arrives there; metres to where it comes from, below 0: missing
-layout(location = 2) out uvec4 met;      // (instance + 1, triangle) there; and of what is mirrored there once more
+layout(location = 0) out uvec4 geometry;  // normal; bits of metres from the camera, and to what is met; instance + 1
+layout(location = 1) out vec4 light;      // radiance that arrives there; metres that it came, below 0 where missing
+layout(location = 2) out uvec4 met;       // (instance + 1, triangle) there; and of what is mirrored there once more
 
-const float UNSEEN = -1.0, UNSURE = -2.0;  // why light is missing
+const float AGAIN = -1.0, UNSEEN = -2.0, UNSURE = -3.0;  // why light is missing
 
 // The pixel that is asked for.
 ivec2 asked() {
@@ -34,14 +34,15 @@ uvec2 name_of(Hit hit) {
 
 // `sure`: whether what was met may be taken over once more.
 void keep(Surface s, vec3 direction, Path path, bool sure) {
-    geometry = vec4(octahedral(mirror_normal(s, direction)), s.at.distance, float(s.at.instance + 1));
+    geometry = uvec4(packUnorm2x16(0.5 + 0.5 * octahedral(mirror_normal(s, direction))), floatBitsToUint(s.at.distance),
+                     floatBitsToUint(path.first.distance), s.at.instance + 1);
     light = vec4(path.light, path.first.distance);
     met = uvec4(name_of(path.first), path.goes_on ? name_of(path.second) : uvec2(0u));
     if (!sure) met.y |= DOUBTFUL;
 }
 
 void keep_nothing(float reason) {
-    geometry = vec4(0.0);
+    geometry = uvec4(0u);
     light = vec4(0.0, 0.0, 0.0, reason);
     met = uvec4(0u);
 }

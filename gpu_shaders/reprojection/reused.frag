@@ -48,24 +48,20 @@ bool way_to(ivec2 pixel, Sample here, Ray ray, float distance, out vec2 way) {
     return determinant > 1e-6 * aa * bb;
 }
 
-// Where our ray meets the plane of what the key frame's met, in metres; `otherwise` where it does not.
-float distance_to(uvec2 name, Ray ray, float otherwise) {
-    if (name.x == WORLD_MET) return FAR;
-    float distance = meet_plane_of(int(name.x) - 1, int(name.y & ~DOUBTFUL), ray).z;
-    return distance > 0.0 && distance < FAR ? distance : otherwise;
-}
-
-// Newton's method: the pixel of the key frame whose mirrored ray met what ours does.
-bool search(int reflector, Ray ray, vec2 start, out vec2 place) {
-    vec2 at = start;
+// Newton's method: the pixel of the earlier picture whose mirrored ray met what ours does.
+bool search(int reflector, Ray ray, vec2 start, out vec2 place, out float distance) {
+    place = start;
     for (int i = 0; i < steps; ++i) {
-        ivec2 pixel = ivec2(floor(at + 0.5));
+        ivec2 pixel = ivec2(floor(place + 0.5));
         Sample here = known_sample(pixel);
         if (here.reflector != reflector) return false;
+        // Our ray comes by what that one met: as far as that is from where ours begins, along it.
+        distance = here.reach;
+        if (here.reach < FAR)
+            distance = max(dot(here.origin + here.reach * here.direction - ray.origin, ray.direction), 0.0);
         vec2 way;
-        float distance = distance_to(texelFetch(known_met, pixel, 0).xy, ray, here.reach);
         if (!way_to(pixel, here, ray, distance, way)) return false;
-        place = at = vec2(pixel) + way * min(1.0, LONGEST_STEP / length(way));
+        place = vec2(pixel) + way * min(1.0, LONGEST_STEP / length(way));
         if (all(lessThanEqual(abs(way), vec2(ARRIVED)))) return true;
     }
     return false;
@@ -107,6 +103,19 @@ float crossing_of(Sample here, Ray ray, out float apart) {
     return dot(cross(between, ray.direction), across) / squared;
 }
 
+// The next of `count` places on the way whose mirrored ray is shorter than `distance`, from number `i` on. The others
+// hide nothing of our ray, and lanes that have found theirs wait (see common/layers.glsl).
+int next_short(int i, int count, vec2 start, vec2 way, float distance) {
+    bool is_short = false;
+    while (i <= count && !is_short) {
+        ivec2 pixel = ivec2(floor(start + way * float(i) / float(count + 1) + 0.5));
+        uvec4 texel = texelFetch(known_geometry, pixel, 0);
+        is_short = texel.w == 0u || uintBitsToFloat(texel.z) < distance;
+        if (!is_short) ++i;
+    }
+    return i;
+}
+
 // Whether the earlier picture saw what is on the way to a hit. Its pixels from `start`, where our ray begins, to
 // `place`, where it ends, show the way as straight as the mirror is flat; else Newton's method leads back to it. Where
 // a point of the way was hidden, behind what is seen there, something may stand that no ray has met (the pillar of
@@ -114,9 +123,9 @@ float crossing_of(Sample here, Ray ray, out float apart) {
 bool is_seen(Hit from, Ray ray, vec2 start, inout vec2 place, inout Hit hit, inout bool passed) {
     vec2 way = place - start, aside;
     int count = min(checks, int(max(abs(way.x), abs(way.y))));
-    for (int i = 1; i <= count; ++i) {
-        vec2 at = start + way * float(i) / float(count + 1);
-        ivec2 pixel = ivec2(floor(at + 0.5));
+    for (int i = next_short(1, count, start, way, hit.distance); i <= count;
+         i = next_short(i + 1, count, start, way, hit.distance)) {
+        ivec2 pixel = ivec2(floor(start + way * float(i) / float(count + 1) + 0.5));
         Sample here = known_sample(pixel);
         if (here.reflector != from.instance) return false;
         float apart, crossing = crossing_of(here, ray, apart);
@@ -157,22 +166,30 @@ bool meets_moved(Ray ray, float distance) {
     return false;
 }
 
+// Whether the mirrored ray at `place` comes by where ours is after `distance` metres.
+bool comes_by(vec2 place, Ray ray, float distance) {
+    ivec2 pixel = ivec2(floor(place + 0.5));
+    vec2 way;
+    return way_to(pixel, known_sample(pixel), ray, distance, way) && all(lessThanEqual(abs(way), vec2(NEAR_BY)));
+}
+
 // What the mirrored ray of a surface meets. Returns 0, or why that is not known.
 float reused_hit(Surface s, Ray ray, out Hit hit, out vec2 place, inout bool passed) {
-    vec2 start = known_pixel(s.position), way;
+    vec2 start = known_pixel(s.position);
     Sample here = known_sample(ivec2(floor(start + 0.5)));
     if (here.reflector != s.at.instance) return UNSEEN;
     if (abs(dot(here.normal, s.position - here.origin)) > ON_SURFACE * here.depth) return UNSEEN;
-    if (!search(here.reflector, ray, start, place)) return UNSEEN;
+    float expected;
+    if (!search(here.reflector, ray, start, place, expected)) return UNSEEN;
     if (!meet_around(place, 0, ray, s.at, hit, passed)) return UNSURE;
-    ivec2 pixel = ivec2(floor(place + 0.5));
-    if (!way_to(pixel, known_sample(pixel), ray, hit.distance, way) || any(greaterThan(abs(way), vec2(NEAR_BY))))
-        return UNSURE;
+    bool is_expected = abs(hit.distance - expected) < (1.0 - BEFORE) * expected;
+    if (!is_expected && !comes_by(place, ray, hit.distance)) return UNSURE;
     if (!is_seen(s.at, ray, start, place, hit, passed)) return UNSEEN;
     return meets_moved(ray, hit.distance) ? UNSEEN : 0.0;
 }
 
-// The whole path. Returns 0, or why not all of it is known.
+// The whole path. Returns 0, or why not all of it is known: AGAIN where it is mirrored once more, which takes so much
+// more code that those pixels are gathered for it.
 float reused_path(Surface s, vec3 direction, out Path path, inout bool passed) {
     Ray ray = mirrored_ray(s, direction);
     vec2 place;
@@ -187,11 +204,15 @@ float reused_path(Surface s, vec3 direction, out Path path, inout bool passed) {
     path.light = own_radiance(at, ray.direction);
     path.goes_on = at.reflects && reflections > 1;
     if (!path.goes_on) return 0.0;
+#if LISTED
     Ray again = mirrored_ray(at, ray.direction);
     if (!meet_around(place, 1, again, path.first, path.second, passed) || passed) return UNSURE;
     if (meets_moved(again, path.second.distance)) return UNSURE;
     path.light += reflectance(at, ray.direction) * light_at(path.second, again.direction, reflections - 2);
     return 0.0;
+#else
+    return AGAIN;
+#endif
 }
 
 void main() {

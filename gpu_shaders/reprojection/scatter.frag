@@ -1,11 +1,11 @@
 // What gathered pixels keep, back at their places.
 
-uniform sampler2D geometries, lights;  // row by row
-uniform usampler2D mets;
+uniform sampler2D lights;  // row by row
+uniform usampler2D geometries, mets;
 
 flat in int number;
 
-layout(location = 0) out vec4 geometry;
+layout(location = 0) out uvec4 geometry;
 layout(location = 1) out vec4 light;
 layout(location = 2) out uvec4 met;
 
