@@ -35,7 +35,8 @@ class Row:
 
     `fps` pictures a second (the mean is frames over time), `frame` and `reflection` mean milliseconds, `speedup` over
     the baseline, `interval` frames from key frame to key frame, `retraced` the mean share of the reflectors' pixels
-    between key frames, `traced` that over all frames.
+    between key frames, `traced` that over all frames; `efficiency` is the speed-up of the reflection pass as a share
+    of what it would be if nothing but tracing took time.
     """
 
     method: str
@@ -47,6 +48,7 @@ class Row:
     interval: Span
     retraced: float | None
     traced: float | None
+    efficiency: float | None
 
 
 @dataclass(eq=False)
@@ -121,22 +123,25 @@ class Sequence:
         timed = self._timed(rows)
         frame = _span(row.time_ms.frame for row in timed)
         lengths = _intervals(rows)
+        traced = _traced(timed)
+        faster = self._speedup(timed, "reflection")
         return Row(
             method=method,
             frames=len(rows),
             fps=Span(*(1e3 / ms if ms else None for ms in (frame.least, frame.most, frame.mean))),
             frame=frame.mean,
             reflection=_span(row.time_ms.reflection for row in timed).mean,
-            speedup=self._speedup(timed),
+            speedup=self._speedup(timed, "frame"),
             interval=_span(lengths),
             retraced=_span(row.reuse.retraced for row in rows if row.reuse and not row.reuse.key).mean,
-            traced=_span(1.0 if row.reuse.key else row.reuse.retraced for row in rows if row.reuse).mean,
+            traced=_traced(rows),
+            efficiency=faster * traced if faster and traced is not None else None,
         )
 
-    def _speedup(self, timed: list[Result]) -> float | None:
-        """How many times as long the baseline takes for the same frames."""
-        slow = {row.frame: row.time_ms.frame for row in self.by_method.get(self.baseline, ())}
-        pairs = [(slow.get(row.frame), row.time_ms.frame) for row in timed]
+    def _speedup(self, timed: list[Result], stage: str) -> float | None:
+        """How many times as long the baseline takes for a stage of the same frames."""
+        slow = {row.frame: getattr(row.time_ms, stage) for row in self.by_method.get(self.baseline, ())}
+        pairs = [(slow.get(row.frame), getattr(row.time_ms, stage)) for row in timed]
         pairs = [(theirs, ours) for theirs, ours in pairs if theirs and ours]
         return sum(theirs for theirs, _ in pairs) / sum(ours for _, ours in pairs) if pairs else None
 
@@ -219,6 +224,11 @@ def _retraced(row: Result) -> float | None:
 def _span(values: Iterable[float | None]) -> Span:
     known = [value for value in values if value is not None]
     return Span(max(known), min(known), sum(known) / len(known)) if known else Span()
+
+
+def _traced(rows: list[Result]) -> float | None:
+    """The mean share of the reflectors' pixels that was traced, key frames whole."""
+    return _span(1.0 if row.reuse.key else row.reuse.retraced for row in rows if row.reuse).mean
 
 
 def _intervals(rows: list[Result]) -> list[int]:

@@ -64,7 +64,9 @@ def test_a_sequence_comes_to_what_its_frames_do():
     assert (one.interval.most, one.interval.mean) == (3, 2.0)
     assert one.retraced == pytest.approx(0.2)
     assert one.traced == pytest.approx((1.0 + 0.1 + 0.3 + 1.0) / 4)
+    assert one.efficiency == pytest.approx((90 / 3) * (0.1 + 0.3 + 1.0) / 3)
     assert judge.retraced is None
+    assert judge.efficiency is None
     assert sequence.reflectors().mean == 0.5
 
 
