@@ -54,13 +54,18 @@ const float NARROW = 2.0;        // alpha of a lobe that tells pixels apart, ove
 const float NO_END = 1e7;        // metres: where a ray ends that meets nothing
 const float NEAREST_END = 1e-3;  // of the way from the viewer: what rounding leaves of a direction
 
-void show(Surface s, Ray ray) {
-    if (!is_shown(s)) discard;
-    float away = distance(s.position, ray.origin);
-    float alpha = alpha_of(s);
+// Whether what the neighbours mirror is not what this pixel does.
+bool is_narrow(Surface s, vec3 direction) {
     vec3 beside = camera_ray((gl_FragCoord.xy - vec2(corner) + 1.0) / vec2(textureSize(visibility, 0))).direction;
-    bool narrow = alpha * -dot(ray.direction, s.normal) < NARROW * distance(beside, ray.direction);
-    if (narrow) {
+    vec3 turns = fwidth(s.normal);
+    return alpha_of(s) * -dot(direction, s.normal) < NARROW * distance(beside, direction) + length(turns);
+}
+
+void show(Surface s, Ray ray) {
+    bool narrow = is_narrow(s, ray.direction);
+    if (!is_shown(s)) discard;
+    float alpha = alpha_of(s), away = distance(s.position, ray.origin);
+    if (narrow || alpha < SHARP) {
         Mirrored there;
         if (alpha < SHARP) there = sharp_light(s, ray.direction);
         else there = rough_light(s, ray.direction);

@@ -30,7 +30,7 @@ from catoptric.addon.methods.contract import Frame, View
 from catoptric.addon.methods.registry import METHODS
 from catoptric.addon.metrics import error_maps
 from catoptric.addon.scene import BLACK, Camera, ColorSource, Fresnel, Instance, Lighting, Material, Mesh, Scene, World
-from catoptric.batch.jobs import lit
+from catoptric.batch.footage import lit
 from catoptric.batch.sources import locate
 from catoptric.scenes import path_of
 from virtual_grids import virtual
