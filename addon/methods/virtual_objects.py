@@ -78,11 +78,12 @@ class VirtualObjects(DeferredMethod):
     A reflector falls into star-shaped parts by itself: a convex body is one, everything else is cut into patches. Maps
     of each hold positions and normals. A vertex' reflection point is where the path from the eye to it is stationary;
     Newton's method finds it in the maps, from where an ellipsoid would reflect it, or where a pixel's ray that comes
-    near the vertex leaves. A triangle is then drawn as a rectangle that holds its corners' reflection points, and in
-    each pixel the pixel's own mirrored ray decides which of the triangles there it meets first: so curved edges,
-    textures and what hides what are exact. What a reflector mirrors of another, or of itself, is found the same way,
-    by paths of two points. A part of a reflector that is small on the screen for how much it shows is not worth a
-    search: that, and reflections of reflections, are drawn by `rest`.
+    near the vertex leaves; or from where it was found in the last frame, while the part is seen from nearly there. A
+    triangle is then drawn as a rectangle that holds its corners' reflection points, and in each pixel the pixel's own
+    mirrored ray decides which of the triangles there it meets first: so curved edges, textures and what hides what are
+    exact. What a reflector mirrors of another, or of itself, is found the same way, by paths of two points. A part of a
+    reflector that is small on the screen for how much it shows is not worth a search: that, and reflections of
+    reflections, are drawn by `rest`.
 
     Source: Estalella, Martin, Drettakis, Tost, Devillers and Cazals, *Accurate interactive specular reflections on
     curved objects*, 2005, for the maps and the search of vertices. Newton's method, patches, several reflections and
