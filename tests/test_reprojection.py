@@ -1,5 +1,6 @@
 """Pictures made of earlier ones: as if they were traced, whatever has changed in between."""
 
+import math
 from dataclasses import replace
 
 import numpy as np
@@ -108,6 +109,19 @@ def test_what_was_traced_is_told_pixel_by_pixel(film):
     assert not (frame.reuse.retraced & ~mirrors).any()
     assert frame.reuse.share == pytest.approx(frame.reuse.retraced.sum() / mirrors.sum())
     assert 0.0 < frame.reuse.share < 0.3
+
+
+@pytest.mark.parametrize("samples", [2, 3])
+def test_samples_that_find_no_room_are_traced(film, samples):
+    """Room for two of them; what is kept is right, and so is the rest."""
+    room = 2 * 2 * 48 * SIZE[0] * SIZE[1] / 2**20
+    taken = film(stage(), settings={"memory": math.ceil(room)}, samples=samples)
+    for eye in (EYE, (0.55, -4.45, 1.0)):
+        frame, off = taken.show(seen_from(stage_once(taken), eye))
+        assert is_right(off)
+    assert not frame.reuse.is_key  # the sample in the middle of the pixels is kept
+    (history,) = taken.taken._histories.values()
+    assert len(history._keys) < 5
 
 
 @pytest.mark.parametrize("samples", [1, 2])

@@ -13,6 +13,9 @@ from .contract import View
 UNITS = 2
 """Texture units that the buffers take."""
 
+PIXEL_BYTES = 48
+"""What a pixel takes of memory."""
+
 
 @dataclass(frozen=True, eq=False)
 class Sample:

@@ -15,7 +15,7 @@ from ..scene import Scene, only_seen_from_elsewhere
 from .contract import Reuse, View
 from .deferred import Clock, DeferredMethod
 from .gathering import Gathering
-from .reflection_buffers import ReflectionBuffers, Sample
+from .reflection_buffers import PIXEL_BYTES, ReflectionBuffers, Sample
 from .traced import reflections_left
 from .tracers import prepare_tracer, tracer_defines
 
@@ -39,6 +39,16 @@ SCHEDULE = Parameter(
     minimum=0,
     maximum=100_000,
     section="Xie et al., 4.3",
+)
+
+MEMORY = Parameter(
+    "memory",
+    "Memory",
+    1024,
+    "What earlier pictures may take on the GPU; of a pixel's samples those that find no room are traced",
+    unit="MiB",
+    minimum=1,
+    maximum=1_000_000,
 )
 
 
@@ -91,7 +101,7 @@ class ReprojectingMethod(DeferredMethod):
     def reflect_in_stages(self, clock: Clock, view: View, seen: Visibility, target, **sample) -> None:
         """Take over what is known, trace the rest, and show it."""
         if seen not in self._histories:
-            self._histories[seen] = History(seen)
+            self._histories[seen] = History(seen, self.settings["memory"])
         picture = self._picture(clock, self._histories[seen], Sample(view, sample["offset"]), seen)
         with clock("composition"):
             picture.light.use(_LIGHT_UNIT)
@@ -146,9 +156,10 @@ class ReprojectingMethod(DeferredMethod):
 class History:
     """What is known of the pictures of one canvas, for each sample of the pixel. On the GL thread."""
 
-    def __init__(self, seen: Visibility) -> None:
-        """For pictures of the size of what is `seen`."""
+    def __init__(self, seen: Visibility, memory: float) -> None:
+        """For pictures of the size of what is `seen`; as many samples are kept as `memory` MiB hold, at least two."""
         self._size, self._parts = seen.size, seen.parts
+        self._most = max(2, int(memory * 2**20 / (2 * PIXEL_BYTES * seen.size[0] * seen.size[1])))
         self.gathering = Gathering(seen.size)
         self._keys: dict[tuple[float, float], ReflectionBuffers] = {}
         self._recent: dict[tuple[float, float], ReflectionBuffers] = {}
@@ -156,9 +167,17 @@ class History:
         self._taken: Taken | None = None
 
     def key_of(self, sample: Sample) -> ReflectionBuffers:
-        """The key frame of this sample of the pixel, at first an empty one."""
+        """The key frame of this sample of the pixel, an empty one at first or where there is no room to keep it."""
         if sample.offset not in self._keys:
-            self._keys[sample.offset] = ReflectionBuffers(self._size, self._parts)
+            if len(self._keys) < self._most:
+                key = ReflectionBuffers(self._size, self._parts)
+            else:
+                # The sample in the middle stays: by it is told what was taken over.
+                offset = next(offset for offset in reversed(self._keys) if any(offset))
+                key = self._keys.pop(offset)
+                key.sample = None
+                self._spare = self._recent.pop(offset, self._spare)
+            self._keys[sample.offset] = key
         return self._keys[sample.offset]
 
     def recent_of(self, sample: Sample) -> ReflectionBuffers | None:

@@ -15,7 +15,7 @@ from ..tracing import across_edges
 from .deferred import Clock
 from .gathering import LISTED_UNIT, Missing
 from .reflection_buffers import UNITS, ReflectionBuffers, Sample
-from .reprojecting import SCHEDULE, THRESHOLD, History, ReprojectingMethod
+from .reprojecting import MEMORY, SCHEDULE, THRESHOLD, History, ReprojectingMethod
 from .traced import reflections_left
 from .tracers import TRACER
 
@@ -58,6 +58,7 @@ class Reprojection(ReprojectingMethod):
         TRACER,
         THRESHOLD,
         SCHEDULE,
+        MEMORY,
         Parameter("steps", "Steps", 6, "Newton steps to what a ray meets, at most", minimum=1, maximum=64),
         Parameter("recent", "Last picture", True, "Search the last picture, too, for what the key frame does not show"),
         Parameter(
