@@ -7,7 +7,7 @@ from functools import cache
 import moderngl
 import numpy as np
 
-from ..gl import program, require, screen
+from ..gl import clear, program, require, screen
 from ..gl.stencil import attach_stencil, depth_stencil
 from ..scene import Camera
 from .opening import Opening
@@ -49,7 +49,7 @@ class Visibility:
         context = require()
         self._target.use()
         context.viewport = (0, 0, *self.size)
-        self._target.clear()
+        clear(self._target)
         context.enable_only(moderngl.DEPTH_TEST)
         instances = resident.scene.instances
         shown = (index for index, instance in enumerate(instances) if instance.in_camera and index not in hidden)
@@ -61,7 +61,7 @@ class Visibility:
         self._target.scissor = self._mask.scissor = opening.bounds
         self._target.use()
         context.viewport = (0, 0, *self.size)
-        self._target.clear()
+        clear(self._target)
         context.enable_only(moderngl.DEPTH_TEST)
         with opening.kept_to(self._target):
             resident.rasteriser.draw(world_to_clip, opening.shown, opening.cuts)

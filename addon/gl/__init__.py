@@ -1,6 +1,7 @@
 """The one OpenGL context: its thread, programs, data textures and timers."""
 
 from .capture import capture
+from .clearing import clear
 from .context import adopt, call, give_way, on_gl_thread, require, submit, unbind
 from .functions import function
 from .programs import feedback, program, screen, set_uniforms
@@ -13,6 +14,7 @@ __all__ = [
     "adopt",
     "call",
     "capture",
+    "clear",
     "feedback",
     "function",
     "give_way",

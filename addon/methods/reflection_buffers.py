@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 
 from ..drawing import camera_uniforms, world_to_clip
-from ..gl import require, set_uniforms
+from ..gl import clear, require, set_uniforms
 from ..scene import Scene
 from .contract import View
 
@@ -49,7 +49,7 @@ class ReflectionBuffers:
     def begin(self, sample: Sample, scene: Scene) -> moderngl.Framebuffer:
         """Wipe everything, to be filled anew; what to draw it into."""
         self.sample, self.scene, self.age = sample, scene, 0
-        self.target.clear()
+        clear(self.target)
         return self.target
 
     def bind(self, shader: moderngl.Program, unit: int) -> None:

@@ -4,7 +4,7 @@ import moderngl
 
 from ..baking.reflector_maps_tables import ResidentMaps
 from ..drawing import Resident, Visibility
-from ..gl import program, require, screen
+from ..gl import clear, program, require, screen
 from .contract import View
 from .virtual_bundles import bundles_of
 from .virtual_images import Images
@@ -49,7 +49,7 @@ class Bounce:
         if anew:
             start = read(before.rays.origins) if before else None
             self._images.find(view, seen.size, bundles_of(read(self.rays.origins), read(self.rays.directions), start))
-        self._met_target.clear()
+        clear(self._met_target)
         self._images.draw(self._met_target, offset, self.rays)
         if self._images.in_patches:
             self._spread_out()
@@ -60,7 +60,7 @@ class Bounce:
         self.bind(self._spread)
         for number, stride in enumerate(_STRIDES):
             source, target = self._met[number % 2], self._spread_targets[1 - number % 2]
-            target.clear()
+            clear(target)
             target.use()
             require().enable_only(moderngl.NOTHING)
             source.use(MET_UNIT)
