@@ -1,4 +1,4 @@
-"""`ray-traced` against Embree triangle by triangle, and against the other tracer under every light."""
+"""Both tracers against Embree triangle by triangle, and against each other under every light."""
 
 from dataclasses import replace
 
@@ -10,6 +10,7 @@ from catoptric.addon.blender.files import open_blend
 from catoptric.addon.methods.contract import View
 from catoptric.addon.methods.layered_depth import LayeredDepth
 from catoptric.addon.methods.ray_traced import RayTraced
+from catoptric.addon.methods.tracers import TRACER
 from catoptric.addon.scene import Lamp, LampKind, Lighting
 from catoptric.scenes import path_of
 
@@ -17,11 +18,13 @@ from .ray_stage import agreement
 from .stage import looking, mesh_of, placed, scene_of
 
 
-@pytest.mark.parametrize("name", ["kitchen", "mirror-torus"])
+@pytest.mark.parametrize("name", ["kitchen", "bathroom", "mirror-torus"])
 def test_meets_the_triangles_that_embree_meets(name):
-    found = agreement(extract(open_blend(path_of(name))), "ray-traced", 384, 256)
-    assert found.rays > 20_000
-    assert found.same >= 0.9999
+    scene = extract(open_blend(path_of(name)))
+    for tracer in TRACER.choices:
+        found = agreement(scene, tracer, 384, 256)
+        assert found.rays > 20_000
+        assert found.same >= 0.9999, tracer
 
 
 def frame_of(method, scene, lighting):

@@ -47,7 +47,7 @@ def _shares(children: np.ndarray, size: np.ndarray, leaves: int) -> np.ndarray:
                 split[better, places], share[better, places] = total[better], part
         alone = size[inner] + split[:, WIDTH]
         cost[inner, 1:] = np.minimum(split[:, 1:], alone[:, None])
-        shares[inner - leaves] = np.where(split < alone[:, None], share, 0)
+        shares[inner - leaves] = np.where(split <= alone[:, None], share, 0)
         shares[inner - leaves, WIDTH] = share[:, WIDTH]
     return shares
 

@@ -35,10 +35,11 @@ void meet_span(uvec2 span, Segment ray, float least, int instance, Hit from, ino
     } while (++entry < span.x + span.y);
 }
 
-// Tests the slices of a column that are both `wanted` and occupied, in the order of the ray.
-void meet_column(uvec3 column, uvec2 wanted, bool upwards, Segment ray, float least,
+// Tests the slices of a column that are both `wanted` and occupied, in the order of the ray, which enters it at `at`.
+// A slice may list a triangle that is met far behind it: the slices before that are tested as well.
+void meet_column(uvec3 column, uvec2 wanted, Segment local, float at, Segment ray, float least,
                  int instance, Hit from, inout Hit hit) {
-    float before = hit.distance;
+    bool upwards = local.direction.z >= 0.0;
     do {
         bool low = upwards ? wanted.x != 0u : wanted.y == 0u;
         uint word = low ? wanted.x : wanted.y;
@@ -47,7 +48,9 @@ void meet_column(uvec3 column, uvec2 wanted, bool upwards, Segment ray, float le
         int span = int(column.z) + bitCount(below) + (low ? 0 : bitCount(column.x));
         meet_span(texelFetch(layer_spans, texel_at(span), 0).xy, ray, least, instance, from, hit);
         wanted &= ~(low ? uvec2(1u << bit, 0u) : uvec2(0u, 1u << bit));
-    } while (wanted != uvec2(0u) && hit.distance == before);
+        float until = min(hit.distance - ray.start, local.end);
+        wanted &= words_of(slices_between(local.origin.z + vec2(at, until) * local.direction.z));
+    } while (wanted != uvec2(0u));
 }
 
 int blocks_at(ivec2 shape, int level) {
@@ -100,7 +103,7 @@ void walk_columns(ivec4 grid, Segment local, Segment ray, float least, int insta
             else found = true;
         } while (!found && walk.at < local.end);
         if (found) {
-            meet_column(node, wanted, local.direction.z >= 0.0, ray, least, instance, from, hit);
+            meet_column(node, wanted, local, walk.at, ray, least, instance, from, hit);
             go_on(walk, shape, top, local, nudge);
         }
     } while (walk.at < local.end && ray.start + walk.at < hit.distance);
