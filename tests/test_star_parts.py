@@ -283,15 +283,16 @@ def test_what_has_no_area_or_is_not_a_number_is_left_out():
     assert 7 not in np.concatenate([part.triangles for part in without])
 
 
-def test_two_bodies_in_one_mesh_are_seen_apart():
+@pytest.mark.parametrize("first", [0, 1], ids=["the ring first", "the ball first"])
+def test_two_bodies_in_one_mesh_are_seen_apart(first):
     ball, ring = trimesh.creation.icosphere(2), torus(segments=48, sides=24)
     alone = star_parts(*ring)
-    away, triangles, normals = smooth(ball.vertices + (5, 0, 0), ball.faces)
+    one, other = (ring, smooth(ball.vertices + (5, 0, 0), ball.faces))[:: 1 - 2 * first]
     both = checked(
         (
-            np.concatenate([ring[0], away]),
-            np.concatenate([ring[1], triangles + len(ring[0])]),
-            np.concatenate([ring[2], normals]),
+            np.concatenate([one[0], other[0]]),
+            np.concatenate([one[1], other[1] + len(one[0])]),
+            np.concatenate([one[2], other[2]]),
         )
     )
     assert sum(np.isinf(part.reach) for part in both) == 1

@@ -13,7 +13,7 @@ from .convexity import is_convex
 from .curvature import Curvature, curvature_classes, regions
 from .patches import cut, halved, joined
 from .projection import LEAST_FACING, Projections, overlapping, projections
-from .surface import Groups, Surface, connected
+from .surface import Groups, Surface, connected, numbered
 
 _CURVED = 0.1
 """Least share of a part's area that is curved for the part not to count as flat."""
@@ -69,7 +69,7 @@ def star_parts(
     whole = np.isin(surface.index, np.concatenate([[], *(part.triangles for part in parts)]))
     if not whole.all():
         rest = surface.without(whole) if whole.any() else surface
-        parts += _patches(rest, body[~whole], np.radians(spread))
+        parts += _patches(rest, numbered(body[~whole]), np.radians(spread))
     areas = np.zeros(len(triangles))
     areas[surface.index] = surface.areas
     return sorted(parts, key=lambda part: -areas[part.triangles].sum())
