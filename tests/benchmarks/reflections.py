@@ -1,13 +1,15 @@
 """What a reflection costs: each method against `environment-map`, dense meshes against light ones, EEVEE.
 
-Run: python tests/benchmarks/reflections.py [--part ratios|density|eevee|memory|glossy|planar|virtual] [--scenes a,b]
+Run: python tests/benchmarks/reflections.py [--part ratios|density|eevee|memory|glossy|planar|virtual|traced]
+    [--scenes a,b]
 
 `ratios` prints the reflection pass over that of `environment-map`, beside Zhang et al., Table 2
 (reflection over reflector). `density` gives the same object 1,500 to 1,000,000 triangles. `eevee`
 times a frame against EEVEE's sample, with the error of both. `memory` prints a process's peak. `glossy` prints
 the columns of figure 9 of the paper on glossy planar reflections, for its scene at its 1280 × 1024 pixels,
 and `planar` each way to clip a perfect mirror there and at 640 × 512. `virtual` prints the grids of section 7 of the
-paper on reflector cube maps, and how near its search and ours come step by step.
+paper on reflector cube maps, and how near its search and ours come step by step. `traced`
+holds both tracers against Embree and each other, and builds the tree of 1,000,000 triangles.
 Other times are medians of frames at 768 × 512, one sample a pixel.
 """
 
@@ -16,6 +18,7 @@ import subprocess
 import sys
 import tempfile
 from dataclasses import replace
+from time import perf_counter, process_time
 
 import numpy as np
 import trimesh
@@ -28,11 +31,15 @@ from catoptric.addon.drawing import Clipping
 from catoptric.addon.gl import call, is_software, require
 from catoptric.addon.methods.contract import Frame, View
 from catoptric.addon.methods.registry import METHODS
+from catoptric.addon.methods.tracers import TRACER
 from catoptric.addon.metrics import error_maps
 from catoptric.addon.scene import BLACK, Camera, ColorSource, Fresnel, Instance, Lighting, Material, Mesh, Scene, World
+from catoptric.addon.tracing import build_tree
+from catoptric.addon.tracing.layers import padded_box
 from catoptric.batch.footage import lit
 from catoptric.batch.sources import locate
 from catoptric.scenes import path_of
+from catoptric.tests.ray_stage import agreement
 from virtual_grids import virtual
 
 SIZE = (768, 512)
@@ -196,18 +203,45 @@ def frame_time(scene: Scene, settings: dict, size: tuple[int, int]) -> float:
         drawn.release()
 
 
+TRACED = ("mirror-ball", "genus3", "kitchen", "statue", "bathroom", "living-room")
+
+
+def traced(rounds: int = 7) -> None:
+    """How often both tracers meet Embree's triangle, what a reflection pass of each takes, and how long trees grow."""
+    shape = mesh_of("bumpy", bumpy(1_000_000))
+    started, worked = perf_counter(), process_time()
+    tree = build_tree(shape.corners, *padded_box(shape.corners))
+    took = f"{perf_counter() - started:.1f} s, {process_time() - worked:.1f} s of processor time"
+    print(f"{len(shape.triangles):,} triangles: a tree of {len(tree.nodes):,} nodes, {tree.depth} deep, in {took}")
+    for name in TRACED:
+        scene = extract(open_blend(path_of(name)))
+        methods = [METHODS[tracer]() for tracer in TRACER.choices]
+        times = np.empty((rounds, len(methods)))
+        for drawn in methods:
+            drawn.prepare(scene, Lighting.UNLIT)
+        for row in times:  # in turns: what else the machine does troubles both
+            row[:] = [drawn.render(View(scene.camera, *SIZE, 1)).time_ms["reflection"] for drawn in methods]
+        for tracer, drawn, time in zip(TRACER.choices, methods, np.median(times, axis=0), strict=True):
+            drawn.release()
+            found = agreement(scene, tracer, *SIZE)
+            print(
+                f"{name:14}{tracer:15}{time:8.1f} ms; of {found.rays:,} rays {found.same:.4%} meet Embree's triangle, "
+                f"{found.same_or_tied:.4%} that or one as near"
+            )
+
+
 def main() -> None:
     """Print the parts asked for."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument(
-        "--part", nargs="+", default=["ratios", "density", "eevee", "memory", "glossy", "planar", "virtual"]
+        "--part", nargs="+", default=["ratios", "density", "eevee", "memory", "glossy", "planar", "virtual", "traced"]
     )
     parser.add_argument("--scenes", default=",".join((*PAPER, *ROOM_SCENES)))
     given = parser.parse_args()
     renderer = call(lambda: require().info["GL_RENDERER"])
     print(f"{renderer}: {'software rendering, compare times with each other only' if is_software(renderer) else 'GPU'}")
     parts = {"ratios": lambda: ratios(given.scenes.split(",")), "density": density, "memory": memory, "glossy": glossy}
-    parts |= {"planar": planar, "virtual": virtual}
+    parts |= {"planar": planar, "virtual": virtual, "traced": traced}
     parts["eevee"] = lambda: eevee(["mirror-ball"])
     for part in given.part:
         print(f"\n{part}")
