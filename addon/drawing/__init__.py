@@ -1,6 +1,7 @@
 """The Scene on the GPU: laid out as tables, uploaded, rasterised and lit."""
 
 from .canvas import Canvas
+from .columns import raise_columns
 from .layer_view import layer_view
 from .opening import NEED_STENCIL, Clipping, Opening
 from .passes import ScreenPass
@@ -25,6 +26,7 @@ __all__ = [
     "first_triangles",
     "grow_trees",
     "layer_view",
+    "raise_columns",
     "world_box",
     "world_to_clip",
 ]

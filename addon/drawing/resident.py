@@ -7,6 +7,7 @@ import numpy as np
 
 from ..gl import DataTexture
 from ..scene import Lighting, Material, Scene
+from .columns import column_tables
 from .lamps import world_light
 from .rasteriser import Rasteriser
 from .tables import geometry_tables, material_defines, record_table
@@ -33,6 +34,9 @@ _UNITS = {
 }
 _UNITS["tree_nodes"] = _UNITS["layer_nodes"]  # no program searches both
 
+_ASKED_FOR = {"layer_nodes": column_tables, "tree_nodes": tree_table}
+"""By the sampler that tells whether a program reads them; the tables of one come together."""
+
 FREE_UNIT = 10
 """The first texture unit that a method may use for itself."""
 
@@ -57,7 +61,8 @@ class Resident:
         before = self.scene
         if not _same(_geometry(scene), _geometry(before)):
             self._upload(geometry_tables(scene))
-            self._drop("tree_nodes")
+            for name in _ASKED_FOR:
+                self._drop(name)
         elif _same(_placement(scene), _placement(before)):
             self.scene = scene
             return False
@@ -105,10 +110,11 @@ class Resident:
     def bind(self, shader: moderngl.Program) -> None:
         """Bind every table that `shader` reads, and set the uniforms that belong to the scene.
 
-        Trees are uploaded when a shader first asks for them: few methods do.
+        What rays are searched for in is built and uploaded when a shader first asks for it.
         """
-        if "tree_nodes" in shader and "tree_nodes" not in self._textures:
-            self._upload(tree_table(self.scene))
+        for name, tables in _ASKED_FOR.items():
+            if name in shader and name not in self._textures:
+                self._upload(tables(self.scene))
         for name, texture in self._textures.items():
             if name in shader:
                 texture.use(_UNITS[name])

@@ -8,14 +8,13 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ..scene import ColorSource, Fresnel, Image, Instance, Material, Mesh, Scene
-from ..tracing import OCTANTS, Layers, build_hierarchy, build_layers, is_convex
+from ..tracing import OCTANTS, build_hierarchy, depth_axis, is_convex, padded_box
 from .lamps import lamp_rows
 
 _BYTES, _SRGB = 1, 2
 _HOLDS_BYTES, _HOLDS_FLOATS = 1, 2
 _NONE = _MIRRORS_NOTHING = -1
-_LAYER_TABLES = {"layer_nodes": 3, "layer_spans": 2, "layer_entries": 1}
-_STRUCTURES: "WeakKeyDictionary[Mesh, tuple[Layers, bool]]" = WeakKeyDictionary()
+_SHAPES: "WeakKeyDictionary[Mesh, tuple[np.ndarray, np.ndarray, bool]]" = WeakKeyDictionary()
 
 
 def geometry_tables(scene: Scene) -> dict[str, np.ndarray]:
@@ -25,7 +24,6 @@ def geometry_tables(scene: Scene) -> dict[str, np.ndarray]:
         "corners": _rows([_corners(mesh) for mesh in scene.meshes]),
         "vertex_colors": _vertex_colors(scene.meshes),
         **_images(_all_images(scene)),
-        **_layers([_structure(mesh)[0] for mesh in scene.meshes], first_triangles(scene)),
     }
 
 
@@ -55,15 +53,14 @@ def first_triangles(scene: Scene) -> np.ndarray:
 
 def box_of(mesh: Mesh) -> tuple[np.ndarray, np.ndarray]:
     """Low corner and size, (3,) float64, of the box that rays are held against before a mesh is searched."""
-    layers, _ = _structure(mesh)
-    return layers.low, layers.size
+    return _shape_of(mesh)[:2]
 
 
-def _structure(mesh: Mesh) -> tuple[Layers, bool]:
-    """The layers of a mesh, and whether it is convex; found once, as long as the mesh lives."""
-    if mesh not in _STRUCTURES:
-        _STRUCTURES[mesh] = build_layers(mesh.corners), is_convex(mesh.positions, mesh.triangles)
-    return _STRUCTURES[mesh]
+def _shape_of(mesh: Mesh) -> tuple[np.ndarray, np.ndarray, bool]:
+    """The box of a mesh, and whether it is convex; found once, as long as the mesh lives."""
+    if mesh not in _SHAPES:
+        _SHAPES[mesh] = *padded_box(mesh.corners), is_convex(mesh.positions, mesh.triangles)
+    return _SHAPES[mesh]
 
 
 def material_defines(scene: Scene) -> dict[str, int]:
@@ -133,9 +130,8 @@ def _instances_and_materials(scene: Scene, groups: Mapping[int, int]) -> tuple[n
         if instance.materials not in first:
             first[instance.materials] = len(order)
             order.extend(instance.materials)
-    rows = np.zeros((len(scene.instances), 11, 4), np.float32)
-    layers, convex = zip(*map(_structure, scene.meshes), strict=True) if scene.meshes else ((), ())
-    grids = _grids(layers)
+    rows = np.zeros((len(scene.instances), 10, 4), np.float32)
+    shapes = [_shape_of(mesh) for mesh in scene.meshes]
     reflectors: defaultdict[int, Iterator[int]] = defaultdict(count)
     for index, (row, instance) in enumerate(zip(rows, scene.instances, strict=True)):
         row[0:3] = instance.matrix[:3]
@@ -143,10 +139,10 @@ def _instances_and_materials(scene: Scene, groups: Mapping[int, int]) -> tuple[n
         lightmap = _NONE if instance.lightmap is None else instance.lightmap
         group = groups.get(index, 0) if instance.reflector else _NONE
         row[6] = first[instance.materials], group + 1, lightmap, next(reflectors[group])
-        row[7] = (*layers[instance.mesh].low, layers[instance.mesh].axis)
-        row[8] = (*layers[instance.mesh].size, convex[instance.mesh])
-        row[9] = grids[instance.mesh]
-        row[10, 0] = instance.mesh
+        low, size, convex = shapes[instance.mesh]
+        row[7] = *low, depth_axis(size)
+        row[8] = *size, convex
+        row[9, 0] = instance.mesh
     materials = [_material(scene.materials[index]) for index in order] or [np.zeros((6, 4), np.float32)]
     return rows.reshape(-1, 4), np.concatenate(materials)
 
@@ -201,28 +197,6 @@ def _images(images: Sequence[Image]) -> dict[str, np.ndarray]:
         "byte_texels": np.concatenate([*texels[True], np.zeros((1, 4), np.uint8)]),
         "float_texels": np.concatenate([*texels[False], np.zeros((1, 4), np.float32)]).astype(np.float32),
     }
-
-
-def _layers(layers: Sequence[Layers], first_triangle: np.ndarray) -> dict[str, np.ndarray]:
-    """The meshes' columns in common tables."""
-    parts = {name: [np.zeros((1, width), np.uint32)] for name, width in _LAYER_TABLES.items()}
-    offsets = dict.fromkeys(parts, 1)
-    for mesh, first in zip(layers, first_triangle[:-1], strict=True):
-        placed = {
-            "layer_nodes": mesh.nodes + np.array([0, 0, offsets["layer_spans"]], np.uint32),
-            "layer_spans": mesh.spans + np.array([offsets["layer_entries"], 0], np.uint32),
-            "layer_entries": mesh.entries[:, None] + np.uint32(first),
-        }
-        for name, part in placed.items():
-            parts[name].append(part)
-            offsets[name] += len(part)
-    return {name: np.concatenate(part) for name, part in parts.items()}
-
-
-def _grids(layers: Sequence[Layers]) -> np.ndarray:
-    """Each mesh's columns along u and v, levels, and coarsest node in the common table."""
-    last = np.cumsum([len(mesh.nodes) for mesh in layers])  # the common table begins with an empty node
-    return np.array([(*mesh.shape, mesh.levels, node) for mesh, node in zip(layers, last, strict=True)], np.float32)
 
 
 def _hierarchy(scene: Scene) -> np.ndarray:

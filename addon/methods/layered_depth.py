@@ -1,6 +1,7 @@
 """Our layered depth textures: the hit itself, not a sample near it."""
 
 from .traced import Traced
+from .tracers import LAYERED_DEPTH
 
 
 class LayeredDepth(Traced):
@@ -18,5 +19,6 @@ class LayeredDepth(Traced):
     again; a very dense mesh costs more (1,000,000 triangles about twice 1,500).
     """
 
-    name = "layered-depth"
+    name = LAYERED_DEPTH
     source = "after Zhang et al., 3.3 and 3.4: columns of triangles, walked exactly"
+    tracer = LAYERED_DEPTH

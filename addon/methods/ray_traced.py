@@ -1,8 +1,7 @@
 """Every reflected ray, traced."""
 
-from ..progress import Progress
 from .traced import Traced
-from .tracers import RAY_TRACED, prepare_tracer, tracer_defines
+from .tracers import RAY_TRACED
 
 
 class RayTraced(Traced):
@@ -27,12 +26,4 @@ class RayTraced(Traced):
 
     name = RAY_TRACED
     source = "Meister and Bittner 2018, Ylitie et al. 2017: a hierarchy of boxes for each mesh, and one above"
-
-    @property
-    def defines(self) -> dict[str, int]:
-        """Which tracer."""
-        return {**super().defines, **tracer_defines(self.name)}
-
-    def bake(self, progress: Progress) -> None:
-        """Grow the trees."""
-        prepare_tracer(self.name, self.resident, progress)
+    tracer = RAY_TRACED

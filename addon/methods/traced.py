@@ -1,11 +1,15 @@
 """Reflections by rays that are traced, sharp and rough."""
 
+from typing import ClassVar
+
 import moderngl
 
 from ..parameters import Parameter
+from ..progress import Progress
 from ..scene import Scene
 from .contract import View
 from .rough import SHARED, Rough
+from .tracers import prepare_tracer, tracer_defines
 
 RAYS = Parameter(
     "rays",
@@ -18,10 +22,20 @@ RAYS = Parameter(
 
 
 class Traced(Rough):
-    """A method that follows rays from mirror to mirror, whatever finds what they meet."""
+    """A method that follows rays from mirror to mirror; `tracer` names what finds what they meet."""
 
+    tracer: ClassVar[str]
     parameters = (RAYS, SHARED)
     shader = "traced/traced.frag"
+
+    @property
+    def defines(self) -> dict[str, int]:
+        """Which tracer."""
+        return {**super().defines, **tracer_defines(self.tracer)}
+
+    def bake(self, progress: Progress) -> None:
+        """Build what rays are searched for in."""
+        prepare_tracer(self.tracer, self.resident, progress)
 
     def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
         """How often a path reflects."""

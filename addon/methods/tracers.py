@@ -1,6 +1,6 @@
 """What finds the triangle that a ray meets first, for any method that sends rays."""
 
-from ..drawing import Resident, grow_trees
+from ..drawing import Resident, grow_trees, raise_columns
 from ..parameters import Parameter
 from ..progress import Progress, silent
 
@@ -30,5 +30,5 @@ def prepare_tracer(name: str, resident: Resident, progress: Progress = silent) -
 
     It is kept with the meshes: after objects have moved there is nothing to build.
     """
-    if name == RAY_TRACED:
-        grow_trees(resident.scene.meshes, progress)
+    build = grow_trees if name == RAY_TRACED else raise_columns
+    build(resident.scene.meshes, progress)

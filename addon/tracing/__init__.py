@@ -8,7 +8,7 @@ from .flat_parts import FlatParts, flat_parts
 from .hierarchy import OCTANTS
 from .hierarchy import build as build_hierarchy
 from .interpolation_grid import InterpolationGrid, interpolation_grid
-from .layers import Layers
+from .layers import Layers, depth_axis, padded_box
 from .layers import build as build_layers
 from .neighbours import across_edges
 from .star_parts import StarPart, star_parts
@@ -33,8 +33,10 @@ __all__ = [
     "build_tree",
     "cell_tree",
     "cut_near",
+    "depth_axis",
     "flat_parts",
     "interpolation_grid",
     "is_convex",
+    "padded_box",
     "star_parts",
 ]

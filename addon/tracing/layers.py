@@ -48,7 +48,7 @@ class Layers:
 def build(corners: np.ndarray, largest: int = LARGEST) -> Layers:
     """The layers of a mesh from its corners (T, 3, 3), T ≥ 1; at most `largest` columns along a side."""
     low, size = padded_box(corners)
-    axis = int(size.argmin())
+    axis = depth_axis(size)
     order = [(axis + 1) % 3, (axis + 2) % 3, axis]
     across = size[order[:2]]
     shape = np.maximum(1, np.ceil(_side(len(corners), largest) * across / across.max())).astype(np.int64)
@@ -56,6 +56,11 @@ def build(corners: np.ndarray, largest: int = LARGEST) -> Layers:
     finest, spans, entries = _columns(*_overlaps(points, shape), shape)
     levels = _pyramid(finest, shape)
     return Layers(low, size, axis, (int(shape[0]), int(shape[1])), len(levels), np.concatenate(levels), spans, entries)
+
+
+def depth_axis(size: np.ndarray) -> int:
+    """Along which axis of a box of that size, (3,), depth runs."""
+    return int(size.argmin())
 
 
 def padded_box(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:

@@ -4,7 +4,7 @@
 
 #include "common/instances.glsl"
 
-uniform usampler2D layer_nodes;   // 1 texel a block of columns: slices (2 words), span of the first
+uniform usampler2D layer_nodes;   // 2 texels a mesh: see grid_of; 1 a block of columns: slices (2 words), first span
 uniform usampler2D layer_spans;   // 1 texel an occupied slice: first entry, how many
 uniform usampler2D layer_entries; // 1 texel an entry: triangle
 
@@ -109,6 +109,12 @@ void walk_columns(ivec4 grid, Segment local, Segment ray, float least, int insta
     } while (walk.at < local.end && ray.start + walk.at < hit.distance);
 }
 
+// Columns along u and v, levels, and the coarsest node.
+ivec4 grid_of(int instance) {
+    int head = 2 * mesh_of(instance);
+    return ivec4(texelFetch(layer_nodes, texel_at(head), 0).xyz, texelFetch(layer_nodes, texel_at(head + 1), 0).x);
+}
+
 void meet_instance(Ray world, int instance, float least, Hit from, inout Hit hit) {
     vec4 low = instance_texel(instance, 7), size = instance_texel(instance, 8);
     Segment ray = segment_within(world, instance, low.xyz, size.xyz, hit.distance);
@@ -116,8 +122,8 @@ void meet_instance(Ray world, int instance, float least, Hit from, inout Hit hit
     vec3 scale = 1.0 / size.xyz, o = (ray.origin - low.xyz) * scale, d = ray.direction * scale;
     o = low.w == 0.0 ? o.yzx : low.w == 1.0 ? o.zxy : o;
     d = low.w == 0.0 ? d.yzx : low.w == 1.0 ? d.zxy : d;
-    vec4 grid = instance_texel(instance, 9);
+    ivec4 grid = grid_of(instance);
     vec3 cells = vec3(grid.xy, SLICES);
     Segment local = Segment(cells * o, cells * d, 0.0, ray.end);
-    walk_columns(ivec4(grid), local, ray, least, instance, from, hit);
+    walk_columns(grid, local, ray, least, instance, from, hit);
 }

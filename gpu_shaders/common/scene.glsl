@@ -5,7 +5,7 @@
 uniform sampler2D positions;       // 3 texels a triangle: corner xyz; w of the first: material slot
 uniform sampler2D corners;         // 6 texels a triangle: 3 normals; 3 uvs and 3 lightmap uvs, two a texel
 uniform sampler2D vertex_colors;   // 3 texels a triangle: linear RGBA
-uniform sampler2D records;         // instances (11 texels each), then materials, hierarchy and lamps
+uniform sampler2D records;         // instances (10 texels each), then materials, hierarchy and lamps
 uniform usampler2D images;         // 1 texel an image: offset, width, height, flags
 
 const int NONE = -1;
@@ -38,7 +38,7 @@ int slot_of(int triangle) {
 }
 
 vec4 instance_texel(int instance, int offset) {
-    return texelFetch(records, texel_at(11 * instance + offset), 0);
+    return texelFetch(records, texel_at(10 * instance + offset), 0);
 }
 
 // Affine maps are stored as three rows.
@@ -52,6 +52,10 @@ mat4x3 world_to_object(int instance) {
 
 int first_material_of(int instance) {
     return int(instance_texel(instance, 6).x);
+}
+
+int mesh_of(int instance) {
+    return int(instance_texel(instance, 9).x);
 }
 
 bool is_reflector(int instance) {

@@ -70,7 +70,7 @@ void meet_instance(Ray world, int instance, float least, Hit from, inout Hit hit
     vec3 low = instance_texel(instance, 7).xyz, size = instance_texel(instance, 8).xyz;
     Segment ray = segment_within(world, instance, low, size, hit.distance);
     if (ray.end <= 0.0) return;
-    int root = int(texelFetch(tree_nodes, texel_at(int(instance_texel(instance, 10).x)), 0).x);
+    int root = int(texelFetch(tree_nodes, texel_at(mesh_of(instance)), 0).x);
     vec3 scale = STEPS / size;
     walk_tree(root, (ray.origin - low) * scale, safe_inverse(ray.direction * scale), ray, least, instance, from, hit);
 }

@@ -30,5 +30,5 @@ void main() {
     vec4 low = instance_texel(hit.instance, 7);
     vec3 place = (mat3(t.a, t.b, t.c) * weights - low.xyz) / instance_texel(hit.instance, 8).xyz;
     place = low.w == 0.0 ? place.yzx : low.w == 1.0 ? place.zxy : place;
-    color = weight * vec4(layers_in(column_at(ivec4(instance_texel(hit.instance, 9)), place.xy)));
+    color = weight * vec4(layers_in(column_at(grid_of(hit.instance), place.xy)));
 }
