@@ -2,108 +2,37 @@
 
 import math
 from dataclasses import replace
+from functools import partial
 
 import numpy as np
 import pytest
-import trimesh
-from catoptric.addon.methods.contract import View
-from catoptric.addon.methods.ray_traced import RayTraced
 from catoptric.addon.methods.reprojection import Reprojection, moved_since
 from catoptric.addon.methods.tracers import TRACER
 from catoptric.addon.scene import Lighting
 
-from .stage import looking, mesh_of, placed, scene_of
-
-SIZE = (160, 100)
-EYE = (0.5, -4.5, 1.0)
-SKY = (0.1, 0.3, 0.8)
-
-
-def stage(eye=EYE):
-    """A mirror ball and a wall mirror over a floor, a box and a torus between them."""
-    ball = mesh_of(trimesh.creation.icosphere(subdivisions=4), smooth=True)
-    box = mesh_of(trimesh.creation.box())
-    torus = mesh_of(trimesh.creation.torus(0.7, 0.25, major_sections=48, minor_sections=24), smooth=True)
-    floor = mesh_of(trimesh.creation.box((9, 9, 0.2)))
-    pane = mesh_of(trimesh.creation.box((5, 0.1, 3)))
-    parts = [
-        (ball, placed(), True),
-        (pane, placed((0, 3.0, 0.5)), True),
-        (box, placed((1.9, 0.4, -0.5)), False),
-        (torus, placed((-1.9, 0.0, 0.0), turn=0.7, axis=(1, 0, 0)), False),
-        (floor, placed((0, 0, -1.2)), False),
-    ]
-    return scene_of(parts, looking(eye, (0.0, 0.5, 0.0)), world=SKY)
-
-
-def seen_from(scene, eye, target=(0.0, 0.5, 0.0)):
-    return replace(scene, camera=looking(eye, target))
-
-
-def with_placed(scene, index, matrix):
-    instances = list(scene.instances)
-    instances[index] = replace(instances[index], matrix=matrix)
-    return replace(scene, instances=tuple(instances))
-
-
-class Film:
-    """One method and the truth, picture by picture."""
-
-    def __init__(self, scene, method=Reprojection, settings=None, size=SIZE, samples=1, lighting=Lighting.UNLIT):
-        self.size, self.samples = size, samples
-        self.taken, self.truth = method(settings), RayTraced()
-        for one in (self.taken, self.truth):
-            one.prepare(scene, lighting)
-
-    def show(self, scene):
-        """The method's frame of a scene, and how much each reflector's pixel (N,) is off the traced one."""
-        view = View(scene.camera, *self.size, self.samples)
-        for one in (self.taken, self.truth):
-            one.update(scene)
-        frame, truth = self.taken.render(view), self.truth.render(view)
-        return frame, np.abs(frame.color - truth.color).max(axis=-1)[truth.reflectors > 0]
-
-    def close(self):
-        for one in (self.taken, self.truth):
-            one.release()
+from .reprojection_stage import EYE, SIZE, filming, is_right, pillars, seen_from, stage, with_placed
 
 
 @pytest.fixture
 def film():
-    opened = []
-
-    def begin(scene, **given):
-        opened.append(Film(scene, **given))
-        return opened[-1]
-
-    yield begin
-    for one in opened:
-        one.close()
-
-
-def is_right(off) -> bool:
-    return np.mean(off > 1e-3) < 0.005
+    with filming() as begin:
+        yield partial(begin, method=Reprojection)
 
 
 @pytest.mark.parametrize("tracer", TRACER.choices)
 def test_a_moving_camera_sees_what_is_there_and_little_is_traced(film, tracer):
     taken = film(stage(), settings={"tracer": tracer})
     for number in range(6):
-        frame, off = taken.show(seen_from(stage_once(taken), (0.5 + 0.02 * number, -4.5 + 0.03 * number, 1.0)))
+        frame, off = taken.show(seen_from(taken.scene, (0.5 + 0.02 * number, -4.5 + 0.03 * number, 1.0)))
         assert is_right(off)
         assert frame.reuse.is_key == (number == 0)
         assert frame.reuse.share == 1.0 if number == 0 else frame.reuse.share < 0.15
 
 
-def stage_once(film):
-    """The film's own scene, so that its meshes stay the same objects."""
-    return film.taken._ensemble.resident.scene
-
-
 def test_what_was_traced_is_told_pixel_by_pixel(film):
     taken = film(stage())
-    taken.show(stage_once(taken))
-    frame, _ = taken.show(seen_from(stage_once(taken), (0.6, -4.4, 1.0)))
+    taken.show(taken.scene)
+    frame, _ = taken.show(seen_from(taken.scene, (0.6, -4.4, 1.0)))
     mirrors = frame.reflectors > 0
     assert frame.reuse.retraced.shape == mirrors.shape
     assert not (frame.reuse.retraced & ~mirrors).any()
@@ -117,7 +46,7 @@ def test_samples_that_find_no_room_are_traced(film, samples):
     room = 2 * 2 * 48 * SIZE[0] * SIZE[1] / 2**20
     taken = film(stage(), settings={"memory": math.ceil(room)}, samples=samples)
     for eye in (EYE, (0.55, -4.45, 1.0)):
-        frame, off = taken.show(seen_from(stage_once(taken), eye))
+        frame, off = taken.show(seen_from(taken.scene, eye))
         assert is_right(off)
     assert not frame.reuse.is_key  # the sample in the middle of the pixels is kept
     (history,) = taken.taken._histories.values()
@@ -127,8 +56,8 @@ def test_samples_that_find_no_room_are_traced(film, samples):
 @pytest.mark.parametrize("samples", [1, 2])
 def test_a_still_camera_repeats_the_key_frame_bit_by_bit(film, samples):
     taken = film(stage(), samples=samples)
-    first, _ = taken.show(stage_once(taken))
-    second, _ = taken.show(replace(stage_once(taken), frame=2))
+    first, _ = taken.show(taken.scene)
+    second, _ = taken.show(replace(taken.scene, frame=2))
     assert [one.reuse.is_key for one in (first, second)] == [True, False]
     assert second.reuse.share == 0.0
     assert np.array_equal(first.color, second.color)
@@ -137,17 +66,17 @@ def test_a_still_camera_repeats_the_key_frame_bit_by_bit(film, samples):
 
 def test_a_cut_is_right_at_once(film):
     taken = film(stage())
-    taken.show(stage_once(taken))
-    frame, off = taken.show(seen_from(stage_once(taken), (-4.0, 1.0, 2.5)))
+    taken.show(taken.scene)
+    frame, off = taken.show(seen_from(taken.scene, (-4.0, 1.0, 2.5)))
     assert frame.reuse.is_key
     assert is_right(off)
 
 
 def test_another_size_is_right_at_once(film):
     taken = film(stage())
-    taken.show(stage_once(taken))
+    taken.show(taken.scene)
     taken.size = (90, 120)
-    frame, off = taken.show(stage_once(taken))
+    frame, off = taken.show(taken.scene)
     assert frame.color.shape == (120, 90, 3)
     assert is_right(off)
 
@@ -177,24 +106,6 @@ def test_an_object_that_was_hidden_begins_a_key_frame(film):
     assert is_right(off)
 
 
-def pillars():
-    """A mirror on the wall, and before it a thin pillar that hides a farther one, as in figure 9 of the paper.
-
-    Seen in the mirror from x = 0: both pillars stand on the way of one ray from the camera's image.
-    """
-    pane = mesh_of(trimesh.creation.box((12, 0.1, 6)))
-    pillar = mesh_of(trimesh.creation.box((1, 1, 6)))
-    wall = mesh_of(trimesh.creation.box((40, 0.1, 12)))
-    parts = [
-        (pane, placed((0, 0, 0)), True),
-        (pillar, placed((0.0, -2.0, 0), (0.10, 0.02, 1)), False),
-        (pillar, placed((0.0, -4.0, 0), (0.08, 0.02, 1)), False),
-        (wall, placed((0, -12.0, 0)), False),
-    ]
-    # The camera sees the mirror, and stands far enough to the side not to be hidden by the pillars itself.
-    return scene_of(parts, looking((0.0, -1.0, 0.0), (0.0, 0.0, 0.0), lens=20.0), bounces=0)
-
-
 def test_what_emerges_behind_a_pillar_is_noticed(film):
     scene = pillars()
     wrong = {}
@@ -210,14 +121,14 @@ def test_what_emerges_behind_a_pillar_is_noticed(film):
 
 def test_a_schedule_begins_key_frames(film):
     taken = film(stage(), settings={"schedule": 3})
-    keys = [taken.show(seen_from(stage_once(taken), (0.5 + 0.01 * n, -4.5, 1.0)))[0].reuse.is_key for n in range(8)]
+    keys = [taken.show(seen_from(taken.scene, (0.5 + 0.01 * n, -4.5, 1.0)))[0].reuse.is_key for n in range(8)]
     assert keys == [True, False, False, False, True, False, False, False]
 
 
 def test_a_threshold_of_nothing_traces_everything(film):
     taken = film(stage(), settings={"threshold": 0.0})
-    taken.show(stage_once(taken))
-    frame, _ = taken.show(seen_from(stage_once(taken), (0.6, -4.5, 1.0)))
+    taken.show(taken.scene)
+    frame, _ = taken.show(seen_from(taken.scene, (0.6, -4.5, 1.0)))
     assert frame.reuse.is_key
 
 

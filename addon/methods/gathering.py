@@ -62,7 +62,8 @@ class Gathering:
 
     def listed(self) -> np.ndarray:
         """(N, 2) uint32 columns and rows, from the lower left, of the pixels listed last."""
-        return np.frombuffer(self._pixels.read(_PIXEL_BYTES * self.count), np.uint32).reshape(-1, 2)
+        texels = self._pixels.read(_PIXEL_BYTES * self.count) if self.count else b""
+        return np.frombuffer(texels, np.uint32).reshape(-1, 2)
 
     def fill(self, picture: ReflectionBuffers, shader: moderngl.Program, resident: Resident, seen: Visibility):
         """Have a shader fill what is listed of a picture of the resident scene."""

@@ -87,6 +87,9 @@ class ReprojectingMethod(DeferredMethod):
         """How often a path reflects, in a picture without a history: one that is seen in a mirror."""
         shader["reflections"] = reflections_left(self.scene, view)
 
+    def keep(self, key: ReflectionBuffers, seen: Visibility) -> None:
+        """Note what the method wants to know of a key frame besides, while it is what is `seen`."""
+
     @abstractmethod
     def reuse(self, clock: Clock, picture: ReflectionBuffers, history: "History", seen: Visibility) -> int:
         """Draw into a picture what of it is known from earlier ones; how many of its pixels mirror.
@@ -103,7 +106,7 @@ class ReprojectingMethod(DeferredMethod):
         if seen not in self._histories:
             self._histories[seen] = History(seen, self.settings["memory"])
         picture = self._picture(clock, self._histories[seen], Sample(view, sample["offset"]), seen)
-        with clock("composition"):
+        with clock("blend shading"):
             picture.light.use(_LIGHT_UNIT)
             self._compose.shader["arriving"] = _LIGHT_UNIT
             self._compose.draw(view.camera, seen, target, **sample)
@@ -124,7 +127,7 @@ class ReprojectingMethod(DeferredMethod):
         if missing > self.settings["threshold"] * shown:
             return self._key_frame(clock, history, sample, seen)
         history.note(sample, Taken(missing / max(1, shown), history.gathering.listed()))
-        with clock("retracing"):
+        with clock("reflection re-computation"):
             self._trace_listed["reflections"] = reflections_left(self.scene, sample.view)
             history.gathering.fill(picture, self._trace_listed, self.resident, seen)
         history.finish(picture)
@@ -135,6 +138,7 @@ class ReprojectingMethod(DeferredMethod):
             key = history.begin_key(sample, self.scene)
             self._trace_all.shader["reflections"] = reflections_left(self.scene, sample.view)
             self._trace_all.draw(sample.view.camera, seen, key.target, offset=sample.offset, blend=False)
+            self.keep(key, seen)
         history.note(sample, Taken(1.0, None))
         return key
 

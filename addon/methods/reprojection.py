@@ -89,7 +89,7 @@ class Reprojection(ReprojectingMethod):
         """Search what each ray meets: in the key frame, then in the last picture."""
         sample = picture.sample
         key, recent = history.key_of(sample), history.recent_of(sample)
-        with clock("searching"):
+        with clock("pixel searching"):
             whole, _ = self._search(key, sample)
             with (counted := _counter()):
                 whole.draw(sample.view.camera, seen, picture.target, offset=sample.offset, blend=False)

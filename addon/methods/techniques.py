@@ -4,11 +4,13 @@ from .deferred import DeferredMethod
 from .environment_map import EnvironmentMap, EnvironmentMapDynamic, EnvironmentMapParallax
 from .glossy_planar import GlossyPlanar
 from .glossy_planes import GlossyPlanes
+from .image_warp import ImageWarp
 from .layered_depth import LayeredDepth
 from .layered_depth_published import LayeredDepthPublished
 from .planar import Planar
 from .ray_traced import RayTraced
 from .reprojection import Reprojection
+from .reprojection_published import ReprojectionPublished
 from .virtual_objects import VirtualObjects
 from .virtual_objects_published import VirtualObjectsPublished
 
@@ -26,6 +28,8 @@ TECHNIQUES: dict[str, type[DeferredMethod]] = {
         GlossyPlanar,
         VirtualObjectsPublished,
         VirtualObjects,
+        ImageWarp,
+        ReprojectionPublished,
         Reprojection,
     )
 }
