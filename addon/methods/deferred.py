@@ -187,7 +187,7 @@ class Ensemble:
         """See, light, reflect, once for each sample of the pixel; `time_ms` as of a `Frame`.
 
         A search that serves all samples belongs to the time of each picture. The first sample's is a warm-up, as all
-        first times are: so it is done again with the second, and the reflections of later ones are not timed.
+        first times are: so that sample is drawn once more, and the reflections of later ones are not timed.
         """
         watch = Stopwatch()
         for _ in range(1 if view.samples == 1 else _TIMED):
@@ -195,14 +195,19 @@ class Ensemble:
                 with watch.stage((group, _PREPARATION)):
                     method.before_frame(view)
         canvas.clear()
+        first, *others = _samples(view.samples)
         before = self._searched()
-        for number, (offset, weight) in enumerate(samples := _samples(view.samples)):
-            progress("rendering", number / len(samples))
-            searched = self._searched() > before
-            if searched and number == 1:
-                for _, method in self._drawing():
-                    method.forget()
-            self._paint_sample(view, canvas, watch, offset, weight, timed=number < 2 or not searched)
+        progress("rendering", 0.0)
+        self._paint_sample(view, canvas, watch, *first, timed=True)
+        searched = self._searched() > before
+        if searched and others:
+            for _, method in self._drawing():
+                method.forget()
+            canvas.clear()
+            self._paint_sample(view, canvas, watch, *first, timed=True)
+        for number, sample in enumerate(others, 1):
+            progress("rendering", number / (len(others) + 1))
+            self._paint_sample(view, canvas, watch, *sample, timed=not searched)
         return self._times(watch.medians())
 
     def _searched(self) -> int:
@@ -273,7 +278,7 @@ def _stage_of(watch: Stopwatch, group: int, name: str) -> AbstractContextManager
 
 
 def _samples(side: int) -> list[tuple[tuple[float, float], float]]:
-    """Offsets from the pixel's centre, in pixels, and weights; the centre is always there, if with no weight."""
+    """Offsets from the pixel's centre, in pixels, and weights; the centre comes first, if with no weight."""
     steps = [(index + 0.5) / side - 0.5 for index in range(side)]
-    samples = [((x, y), 1.0 / side**2) for y in steps for x in steps]
-    return samples if side % 2 else [((0.0, 0.0), 0.0), *samples]
+    around = [((x, y), 1.0 / side**2) for y in steps for x in steps if x or y]
+    return [((0.0, 0.0), (side % 2) / side**2), *around]
