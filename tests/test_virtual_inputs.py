@@ -5,6 +5,7 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
+from catoptric.addon.methods.ray_traced import RayTraced
 from catoptric.addon.methods.virtual_objects import VirtualObjects
 from catoptric.addon.scene import Mesh
 
@@ -124,6 +125,16 @@ def test_a_camera_inside_the_mirror(mirror):
     wrong, count = wrong_share([(mirror, placed(), True), *INSIDE], looking((0.3, -1.2, 0.4), (0, 0.5, 0)))
     assert count > 7000
     assert wrong < 0.001
+
+
+def test_a_camera_inside_a_body_that_faces_outwards():
+    """Its inside is not searched, but it mirrors."""
+    camera = looking((-0.5, -0.8, 0.2), (0.5, 0.2, 0.0))
+    parts = [(ball(), placed(scale=(2, 2, 2)), True), (box(), placed((0.8, 0.3, 0.0), (0.5, 0.5, 0.5)), False)]
+    scene = scene_of(parts, camera, world=(0.0, 0.0, 0.6))
+    shown, traced = (frame_of(scene, size=SIZE, method=method) for method in (VirtualObjects, RayTraced))
+    assert (traced.reflectors > 0).sum() > 0.3 * shown.reflectors.size
+    assert np.mean(np.abs(shown.color - traced.color).max(axis=-1) > 1e-3) < 0.001
 
 
 @pytest.mark.parametrize("matrix", [placed((0.9, -0.3, 0.2), turn=0.5), placed((0.2, -0.5, 0.2), (3, 0.2, 0.2), 0.5)])

@@ -150,7 +150,7 @@ def _texels(maps: Sequence[ReflectorMap]) -> tuple[list[int], np.ndarray]:
 
 def _numbers(scene: Scene, maps: dict[int, Sequence[ReflectorMap]]) -> np.ndarray:
     """(N, 2) uint32: a row for each instance: the place of its triangles' parts, less its first triangle, and which
-    of the reflectors it is; then the triangles' parts."""
+    of the reflectors it is; then the triangles' parts, and whether each is a whole body."""
     starts = np.zeros((len(scene.instances), 2), np.int64)
     rows = [np.zeros((len(scene.instances), 2), np.uint32)]
     first_triangle, number = first_triangles(scene), 1
@@ -159,7 +159,7 @@ def _numbers(scene: Scene, maps: dict[int, Sequence[ReflectorMap]]) -> np.ndarra
         starts[index] = sum(map(len, rows)) - first_triangle[mesh], order
         own = np.zeros((len(scene.meshes[mesh].triangles), 2), np.uint32)
         for part in parts:
-            own[part.part.triangles, 0] = number
+            own[part.part.triangles] = number, part.is_whole
             number += 1
         rows.append(own)
     # Where a start would be negative it wraps, and comes back when the triangle is added.

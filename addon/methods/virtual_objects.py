@@ -92,7 +92,7 @@ class VirtualObjects(DeferredMethod):
     Outputs: as every method.
 
     Limitations: costs a search for every vertex and part that may show it; near caustics of hollow mirrors thin strips
-    may be missed; the inside of a convex body that faces outwards mirrors nothing; roughness counts as 0.
+    may be missed; roughness counts as 0.
     """
 
     name = "virtual-objects"
