@@ -97,5 +97,5 @@ def pillars():
         (pillar, placed((0.0, -4.0, 0), (0.08, 0.02, 1)), False),
         (wall, placed((0, -12.0, 0)), False),
     ]
-    # The camera sees the mirror, and stands far enough to the side not to be hidden by the pillars itself.
+    # The lens is wider than that of `seen_from`, so that a key frame of it shows what comes into view beside it.
     return scene_of(parts, looking((0.0, -1.0, 0.0), (0.0, 0.0, 0.0), lens=20.0), bounces=0)
