@@ -8,7 +8,7 @@ import numpy as np
 
 from ..baking.reflector_maps_tables import ResidentMaps
 from ..drawing import Resident, Visibility, world_to_clip
-from ..gl import program, require
+from ..gl import clear, program, require
 from ..gl.textures import WIDTH as ROW
 from ..scene import Camera, Scene
 from .contract import View
@@ -66,7 +66,7 @@ class VirtualPicture:
         """Search and draw what the reflectors of one sample show; `offset` of it within the pixel."""
         self._rays.draw(view, seen, offset)
         bundles = bundles_of(read(self._rays.origins), read(self._rays.directions))
-        self._target.clear()
+        clear(self._target)
         for runs in self._batches(bundles):
             self.find(view, runs, steps, threshold)
             self._show(view, runs, offset)
