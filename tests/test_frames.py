@@ -122,7 +122,6 @@ def test_a_method_is_prepared_once_for_all_frames(flight, tmp_path):
     own = [row for row in rows if row["method"] == "saving"]
     assert [row["reuse"]["key"] for row in own] == [True, False, False, True, False]
     assert [row["reuse"]["retraced"] for row in own] == [1.0, 0.25, 0.25, 1.0, 0.25]
-    assert own[0]["time_ms"]["bake"] > own[1]["time_ms"]["bake"]
     assert own[0]["time_ms"]["stages"].keys() == {"visibility", "light", "matching", "retracing"}
     mask = load_mask(tmp_path / own[1]["images"]["retraced"])
     assert mask[:, :24].all()

@@ -16,7 +16,7 @@ from .stage import looking, placed, scene_of
 from .test_virtual_objects import ALONE, ball, box
 
 SIZE = (48, 32)
-WAIT_MS = 150.0
+WAIT_MS = 400.0
 """How much longer a search is made to take: more than all the rest of such a small picture, even of the first."""
 
 
