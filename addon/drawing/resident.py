@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import moderngl
 import numpy as np
 
-from ..gl import DataTexture
+from ..gl import DataTexture, set_uniforms
 from ..scene import Lighting, Material, Scene
 from .columns import column_tables
 from .lamps import world_light
@@ -124,9 +124,7 @@ class Resident:
             **self._numbers,
             "world_light_sh": [tuple(row) for row in self._world_light],
         }
-        for name, value in uniforms.items():
-            if name in shader:
-                shader[name] = value
+        set_uniforms(shader, uniforms)
 
     def release(self) -> None:
         """Give the GPU memory back."""

@@ -2,12 +2,11 @@
 
 from collections.abc import Callable
 from enum import Enum
-from functools import cache
 
 import moderngl
 import numpy as np
 
-from ..gl import clear, program, require, screen
+from ..gl import clear, program, require, sample_counter, screen
 from ..gl.stencil import attach_stencil, depth_stencil
 from ..scene import Camera
 from .opening import Opening
@@ -86,7 +85,7 @@ class Visibility:
         self._mask.use()
         context.viewport = (0, 0, *self.size)
         context.enable_only(moderngl.NOTHING)
-        counted = _counter()
+        counted = sample_counter()
         with counted:
             mark()
         self._mask.depth_mask = True
@@ -96,12 +95,6 @@ class Visibility:
         """Give the memory back."""
         for part in (self._target, self.texture, self.depth, self._mask, self.parts):
             part.release()
-
-
-@cache
-def _counter() -> moderngl.Query:
-    """One for all: moderngl gives no query back."""
-    return require().query(samples=True)
 
 
 def world_to_clip(camera: Camera, width: int, height: int, offset: tuple[float, float] = (0.0, 0.0)) -> np.ndarray:

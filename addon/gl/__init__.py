@@ -3,6 +3,7 @@
 from .capture import capture
 from .clearing import clear
 from .context import adopt, call, give_way, on_gl_thread, require, submit, unbind
+from .counting import primitive_counter, sample_counter
 from .functions import function
 from .programs import feedback, program, screen, set_uniforms
 from .textures import DataTexture
@@ -20,8 +21,10 @@ __all__ = [
     "give_way",
     "is_software",
     "on_gl_thread",
+    "primitive_counter",
     "program",
     "require",
+    "sample_counter",
     "screen",
     "set_uniforms",
     "submit",

@@ -1,13 +1,12 @@
 """Passes over the pixels that nothing is known of, and no others."""
 
 from enum import Enum
-from functools import cache
 
 import moderngl
 import numpy as np
 
 from ..drawing import FREE_UNIT, Resident, Visibility, camera_uniforms
-from ..gl import feedback, program, require, screen, set_uniforms
+from ..gl import feedback, primitive_counter, program, require, screen, set_uniforms
 from .reflection_buffers import ReflectionBuffers
 
 _LIST = {"vertex_shader": "reprojection/missing.vert", "geometry_shader": "reprojection/missing.geom"}
@@ -48,7 +47,7 @@ class Gathering:
         """List what is missing of a picture; how many pixels that is."""
         picture.light.use(LISTED_UNIT)
         self._list["lights"], self._list["least"] = LISTED_UNIT, missing.value
-        counted = _counter()
+        counted = primitive_counter()
         with counted:
             self._points.transform(self._pixels, moderngl.POINTS, vertices=self._size[0] * self._size[1])
         self.count = counted.primitives
@@ -96,9 +95,3 @@ class Gathering:
         """Give the memory back."""
         for part in (self._found, self._names, self._back, self._pixels, self._points):
             part.release()
-
-
-@cache
-def _counter() -> moderngl.Query:
-    """One for all: moderngl gives no query back."""
-    return require().query(primitives=True)

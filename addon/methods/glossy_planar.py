@@ -6,6 +6,7 @@ import moderngl
 import numpy as np
 
 from ..drawing import Clipping, world_to_clip
+from ..gl import set_uniforms
 from ..parameters import Parameter
 from ..progress import Progress
 from ..scene import Material, Scene, mean_roughness
@@ -98,9 +99,7 @@ class GlossyPlanar(Rough, Planar):
             "reach": view.camera.far,
             "focus": 0.5 * canvas.size[0] * float(view.camera.projection(*canvas.size)[0, 0]),
         }
-        for name, value in uniforms.items():
-            if name in shader:  # what is never rough needs no ray
-                shader[name] = value
+        set_uniforms(shader, uniforms)
 
     def free(self) -> None:
         """Give the pictures and their depths back."""

@@ -2,9 +2,9 @@
 
 import moderngl
 
-from ..drawing import FREE_UNIT, ScreenPass, Visibility, camera_uniforms
+from ..drawing import FREE_UNIT, ScreenPass, Visibility
 from ..gl import clear, require, set_uniforms
-from .reflection_buffers import ReflectionBuffers, Sample
+from .reflection_buffers import ReflectionBuffers, Sample, known_camera
 
 UNITS = 2
 """Texture units that the buffers take."""
@@ -39,9 +39,8 @@ class PackedBuffers:
         """Have a shader read them as reprojection_published/known.glsl does, from texture unit `unit` on."""
         self.geometry.use(unit)
         self.light.use(unit + 1)
-        placing = camera_uniforms(self.sample.view.camera, *self.light.size, self.sample.offset)
-        uniforms = {f"known_{name}": value for name, value in placing.items()}
-        set_uniforms(shader, {**uniforms, "known_geometry": unit, "known_light": unit + 1})
+        camera = known_camera(self.sample, self.light.size)
+        set_uniforms(shader, {**camera, "known_geometry": unit, "known_light": unit + 1})
 
     def release(self) -> None:
         """Give the memory back."""

@@ -57,14 +57,11 @@ class ReflectionBuffers:
         textures = {"known_geometry": self.geometry, "known_met": self.met}
         for place, texture in enumerate(textures.values(), unit):
             texture.use(place)
-        size, camera = self.geometry.size, self.sample.view.camera
-        placing = camera_uniforms(camera, *size, self.sample.offset)
-        clip = world_to_clip(camera, *size, self.sample.offset)
+        size = self.geometry.size
+        clip = world_to_clip(self.sample.view.camera, *size, self.sample.offset)
         uniforms = {
             **{name: place for place, name in enumerate(textures, unit)},
-            "known_camera_to_world": placing["camera_to_world"],
-            "known_window": placing["window"],
-            "known_orthographic": placing["orthographic"],
+            **known_camera(self.sample, size),
             "known_world_to_clip": tuple(clip.T.ravel()),
         }
         set_uniforms(shader, uniforms)
@@ -78,3 +75,13 @@ class ReflectionBuffers:
         """Give the memory back."""
         for part in (self.target, self.geometry, self.light, self.met):
             part.release()
+
+
+def known_camera(sample: Sample, size: tuple[int, int]) -> dict[str, object]:
+    """The uniforms that tell the rays of an earlier picture of `size` pixels; see gpu_shaders/common/camera.glsl."""
+    placing = camera_uniforms(sample.view.camera, *size, sample.offset)
+    return {
+        "known_camera_to_world": placing["camera_to_world"],
+        "known_window": placing["window"],
+        "known_orthographic": placing["orthographic"],
+    }

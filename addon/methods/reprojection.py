@@ -1,13 +1,12 @@
 """Our reflection reprojection: the hit is taken over, not its colour."""
 
-from functools import cache
 from weakref import WeakKeyDictionary
 
 import moderngl
 import numpy as np
 
 from ..drawing import ScreenPass, Visibility, first_triangles
-from ..gl import DataTexture, require
+from ..gl import DataTexture, sample_counter
 from ..parameters import Parameter
 from ..progress import Progress
 from ..scene import Mesh, Scene
@@ -91,7 +90,7 @@ class Reprojection(ReprojectingMethod):
         key, recent = history.key_of(sample), history.recent_of(sample)
         with clock("pixel searching"):
             whole, _ = self._search(key, sample)
-            with (counted := _counter()):
+            with (counted := sample_counter()):
                 whole.draw(sample.view.camera, seen, picture.target, offset=sample.offset, blend=False)
         with clock("searching once more"):
             if history.gathering.gather(picture, Missing.AGAIN):
@@ -141,9 +140,3 @@ def moved_since(before: Scene, now: Scene) -> list[int] | None:
 
 def _looks(instance) -> tuple:
     return instance.mesh, instance.materials, instance.reflector, instance.in_reflections, instance.in_camera
-
-
-@cache
-def _counter() -> moderngl.Query:
-    """One for all: moderngl gives no query back."""
-    return require().query(samples=True)

@@ -6,7 +6,7 @@ from weakref import WeakKeyDictionary
 import moderngl
 
 from ..drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility
-from ..gl import require, unbind
+from ..gl import require, set_uniforms, unbind
 from ..parameters import Parameter
 from ..progress import Progress
 from .contract import View
@@ -45,9 +45,7 @@ class Rough(DeferredMethod):
         """Which of the pixel's rays are this sample's."""
         rays = self.settings["rays"]
         uniforms = {"rays": rays, "all_rays": rays * view.samples**2, "first_ray": rays * _number(view, offset)}
-        for name, value in uniforms.items():
-            if name in shader:  # what is never rough needs no ray
-                shader[name] = value
+        set_uniforms(shader, uniforms)
 
     def draw_pass(self, bind: Bind, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
         """Draw the reflections, by the rays of neighbours too where there are few."""

@@ -7,7 +7,7 @@ import numpy as np
 
 from ..baking.reflector_maps_tables import ResidentMaps
 from ..drawing import Resident, world_to_clip
-from ..gl import capture, feedback, program, require, screen
+from ..gl import capture, feedback, program, require, screen, set_uniforms
 from .contract import View
 from .virtual_bundles import Bundle, Run
 from .virtual_rays import AFTER_RAYS, MAPS_UNIT, MirroredRays, eye_of
@@ -102,9 +102,7 @@ class Images:
         }
         for shader in (self._search, self._emit):
             self._maps.bind(shader, MAPS_UNIT)
-            for name, value in uniforms.items():
-                if name in shader:
-                    shader[name] = value
+            set_uniforms(shader, uniforms)
 
     def _search_points(self) -> None:
         self._results.target.use()

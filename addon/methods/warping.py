@@ -2,13 +2,12 @@
 
 from abc import abstractmethod
 from dataclasses import replace
-from functools import cache
 from weakref import WeakKeyDictionary
 
 import moderngl
 
 from ..drawing import FREE_UNIT, Part, ScreenPass, Visibility, camera_uniforms, world_to_clip
-from ..gl import program, require, set_uniforms
+from ..gl import program, require, sample_counter, set_uniforms
 from ..parameters import Parameter
 from ..progress import Progress
 from .deferred import Clock
@@ -97,7 +96,7 @@ class WarpingMethod(ReprojectingMethod):
             self._warps[history].draw(image, key, sample, self.settings["cut"])
             self._warps[history].bind(self._take.shader)
             self._take.shader["epsilon"] = self.settings["epsilon"]
-            with (counted := _counter()):
+            with (counted := sample_counter()):
                 self._take.draw(sample.view.camera, seen, picture.target, offset=sample.offset, blend=False)
         return counted.samples
 
@@ -173,9 +172,3 @@ class Warp:
     def release(self) -> None:
         """Give the memory back."""
         self._grid.release()
-
-
-@cache
-def _counter() -> moderngl.Query:
-    """One for all: moderngl gives no query back."""
-    return require().query(samples=True)
