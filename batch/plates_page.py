@@ -8,7 +8,7 @@ from pathlib import Path
 
 import numpy as np
 
-from ..addon.methods.gloss import figure_curves
+from ..addon.methods.glossy.gloss import figure_curves
 from ..addon.metrics import to_bytes
 from .page import templates, texts
 from .pictures import save_bytes

@@ -7,7 +7,7 @@ from math import log10
 from pathlib import Path
 
 from ..addon.cache import Cache
-from ..addon.methods.virtual_convergence import STEPS, Convergence, convergence
+from ..addon.methods.virtual.convergence import STEPS, Convergence, convergence
 from ..addon.methods.virtual_objects import VirtualObjects
 from ..addon.methods.virtual_objects_published import VirtualObjectsPublished
 from ..addon.parameters import Value

@@ -5,14 +5,14 @@ import math
 import numpy as np
 import pytest
 from catoptric.addon.errors import UsageError
-from catoptric.addon.methods.attenuation_planes import (
+from catoptric.addon.methods.glossy.attenuation_planes import (
     DETAIL,
     attenuation,
     deviation,
     parallel_planes,
     tilted_planes,
 )
-from catoptric.addon.methods.gloss import filter_radius, fresnel_factor
+from catoptric.addon.methods.glossy.gloss import filter_radius, fresnel_factor
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -4,7 +4,7 @@ import numpy as np
 import pytest
 from catoptric.addon.drawing import Canvas
 from catoptric.addon.gl import call, require
-from catoptric.addon.methods.depth_ranges import LEVELS, DepthRanges, levels_of
+from catoptric.addon.methods.glossy.depth_ranges import LEVELS, DepthRanges, levels_of
 from hypothesis import given, settings
 from hypothesis import strategies as st
 

@@ -6,7 +6,7 @@ import math
 import numpy as np
 import pytest
 from catoptric.addon.errors import UsageError
-from catoptric.addon.methods.gloss import (
+from catoptric.addon.methods.glossy.gloss import (
     LOBE_SHARE,
     alpha_of_roughness,
     figure_curves,

@@ -6,10 +6,10 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from catoptric.addon.methods.attenuation_planes import attenuation, parallel_planes, tilted_planes
 from catoptric.addon.methods.contract import View
-from catoptric.addon.methods.gloss import fresnel, lobe_angle_of_roughness
-from catoptric.addon.methods.glossy_darkroom import KERNEL_SPREAD
+from catoptric.addon.methods.glossy.attenuation_planes import attenuation, parallel_planes, tilted_planes
+from catoptric.addon.methods.glossy.darkroom import KERNEL_SPREAD
+from catoptric.addon.methods.glossy.gloss import fresnel, lobe_angle_of_roughness
 from catoptric.addon.methods.glossy_planes import GlossyPlanes
 from catoptric.addon.methods.planar import Planar
 from catoptric.addon.scene import (

@@ -9,7 +9,7 @@ import OpenImageIO as oiio
 import pytest
 import trimesh
 from catoptric.addon.blender.plain_base import plain_base
-from catoptric.addon.methods.gloss import filter_radius, fresnel_factor
+from catoptric.addon.methods.glossy.gloss import filter_radius, fresnel_factor
 from catoptric.addon.scene import (
     BLACK,
     ColorSource,

@@ -10,7 +10,7 @@ from catoptric.addon.gl import call
 from catoptric.addon.methods.image_warp import ImageWarp
 from catoptric.addon.methods.reprojection import Reprojection
 from catoptric.addon.methods.reprojection_published import ReprojectionPublished
-from catoptric.addon.methods.warping import PRECISION
+from catoptric.addon.methods.reuse.warping import PRECISION
 from catoptric.addon.scene import Camera
 from hypothesis import given, settings
 from hypothesis import strategies as st

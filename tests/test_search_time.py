@@ -8,7 +8,7 @@ from catoptric.addon.drawing import Canvas
 from catoptric.addon.gl import call
 from catoptric.addon.methods.contract import View
 from catoptric.addon.methods.mixed import Mixed
-from catoptric.addon.methods.virtual_images import Images
+from catoptric.addon.methods.virtual.images import Images
 from catoptric.addon.scene import Lighting
 
 from .mirror_stage import pane

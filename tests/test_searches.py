@@ -7,7 +7,7 @@ import numpy as np
 import pytest
 import trimesh
 from catoptric.addon.baking.reflector_maps import FINER, SIZE, SPREAD
-from catoptric.addon.methods.virtual_convergence import STEPS, convergence
+from catoptric.addon.methods.virtual.convergence import STEPS, convergence
 from catoptric.addon.scene.archive import save
 from catoptric.batch.cli import main
 from catoptric.batch.searches import Curve, load

@@ -5,9 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
-from catoptric.addon.methods import virtual_refining
-from catoptric.addon.methods.virtual_bundles import Bundle
-from catoptric.addon.methods.virtual_cells import FEW, NOWHERE, Forest, refined
+from catoptric.addon.methods.virtual import refining
+from catoptric.addon.methods.virtual.bundles import Bundle
+from catoptric.addon.methods.virtual.cells import FEW, NOWHERE, Forest, refined
 from catoptric.addon.methods.virtual_objects_published import VirtualObjectsPublished
 from catoptric.addon.tracing import cell_tree
 
@@ -166,7 +166,7 @@ def refinings(monkeypatch):
         seen.append((pixels(images[:, :3]), images[:, 3], pixels(exact[:, :3]), exact[:, 3], len(found.results) - 1))
         return found
 
-    monkeypatch.setattr(virtual_refining, "refined", followed)
+    monkeypatch.setattr(refining, "refined", followed)
     return seen
 
 

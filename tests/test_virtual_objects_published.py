@@ -11,8 +11,8 @@ from catoptric.addon.baking.reflector_maps_tables import ResidentMaps
 from catoptric.addon.gl import on_gl_thread
 from catoptric.addon.methods.contract import View
 from catoptric.addon.methods.mixed import Mixed
-from catoptric.addon.methods.virtual_convergence import reflection_points
-from catoptric.addon.methods.virtual_meshes import shares_of
+from catoptric.addon.methods.virtual.convergence import reflection_points
+from catoptric.addon.methods.virtual.meshes import shares_of
 from catoptric.addon.methods.virtual_objects_published import VirtualObjectsPublished
 from catoptric.addon.metrics import error_maps
 from catoptric.addon.scene import Lighting

@@ -4,11 +4,11 @@ import numpy as np
 import pytest
 from catoptric.addon.drawing import Canvas
 from catoptric.addon.gl import call
-from catoptric.addon.methods import virtual_results
 from catoptric.addon.methods.contract import View
-from catoptric.addon.methods.virtual_bundles import Bundle, Run, may_meet
+from catoptric.addon.methods.virtual import results
+from catoptric.addon.methods.virtual.bundles import Bundle, Run, may_meet
+from catoptric.addon.methods.virtual.results import pieces
 from catoptric.addon.methods.virtual_objects import VirtualObjects
-from catoptric.addon.methods.virtual_results import pieces
 from catoptric.addon.scene import Lighting
 from hypothesis import given
 from hypothesis import strategies as st
@@ -117,7 +117,7 @@ def test_after_a_cut_everything_is_as_if_it_were_the_first_picture(name):
 
 @pytest.mark.parametrize("name", ["ball", "shell"])
 def test_even_if_a_cut_went_unnoticed(name, monkeypatch):
-    monkeypatch.setattr(virtual_results, "_LIKE", np.inf)
+    monkeypatch.setattr(results, "_LIKE", np.inf)
     scene = stage(name)
     picture = paint(scene, [around(2.6), around(0.3)])[-1]
     assert wrong(scene, picture) <= stages()[name][1]

@@ -11,11 +11,11 @@ from ..parameters import Parameter
 from ..progress import Progress
 from ..scene import Material, Scene, mean_roughness
 from .contract import View
-from .depth_ranges import DepthRanges, levels_of
-from .gloss import lobe_angle_of_roughness
+from .glossy.depth_ranges import DepthRanges, levels_of
+from .glossy.gloss import lobe_angle_of_roughness
+from .glossy.plane_distances import PlaneDistances
 from .mirrors import Mirror, Registration
 from .planar import ANGLE, DEPTH, GAP, PICTURE_UNIT, Picture, Planar
-from .plane_distances import PlaneDistances
 from .rough import SHARED, Rough
 
 _LOBE_SHARE = 0.96

@@ -11,10 +11,10 @@ from ..drawing import Canvas, Clipping, Visibility
 from ..parameters import Parameter
 from ..progress import Progress
 from ..scene import Camera, Fresnel, Lighting, mean_roughness
-from .attenuation_planes import AttenuationPlanes, parallel_planes, tilted_planes
 from .contract import View
-from .gloss import lobe_angle_of_roughness
-from .glossy_darkroom import KERNEL_SPREAD, MOST_PLANES, Darkroom, Slab
+from .glossy.attenuation_planes import AttenuationPlanes, parallel_planes, tilted_planes
+from .glossy.darkroom import KERNEL_SPREAD, MOST_PLANES, Darkroom, Slab
+from .glossy.gloss import lobe_angle_of_roughness
 from .mirrors import Mirror, Registration
 from .planar import ANGLE, DEPTH, GAP, PICTURE_UNIT, Picture, Planar
 from .situation import placed

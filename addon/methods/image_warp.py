@@ -3,9 +3,9 @@
 import moderngl
 
 from .deferred import Clock
-from .packed_buffers import PackedBuffers
-from .reflection_buffers import Sample
-from .warping import WARPING, WarpingMethod
+from .reuse.buffers import Sample
+from .reuse.packed_buffers import PackedBuffers
+from .reuse.warping import WARPING, WarpingMethod
 
 
 class ImageWarp(WarpingMethod):

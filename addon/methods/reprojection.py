@@ -12,9 +12,9 @@ from ..progress import Progress
 from ..scene import Mesh, Scene
 from ..tracing import across_edges
 from .deferred import Clock
-from .gathering import LISTED_UNIT, Missing
-from .reflection_buffers import UNITS, ReflectionBuffers, Sample
-from .reprojecting import MEMORY, SCHEDULE, THRESHOLD, History, ReprojectingMethod
+from .reuse.buffers import UNITS, ReflectionBuffers, Sample
+from .reuse.gathering import LISTED_UNIT, Missing
+from .reuse.reprojecting import MEMORY, SCHEDULE, THRESHOLD, History, ReprojectingMethod
 from .traced import reflections_left
 from .tracers import TRACER
 

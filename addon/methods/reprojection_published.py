@@ -9,9 +9,9 @@ from ..parameters import Parameter
 from ..progress import Progress
 from ..scene import Camera
 from .deferred import Clock
-from .packed_buffers import PackedBuffers
-from .reflection_buffers import Sample
-from .warping import KNOWN_UNIT, MESH_UNIT, WARPING, GridTarget, WarpingMethod
+from .reuse.buffers import Sample
+from .reuse.packed_buffers import PackedBuffers
+from .reuse.warping import KNOWN_UNIT, MESH_UNIT, WARPING, GridTarget, WarpingMethod
 
 _PREVIOUS_UNIT = _OFFSETS_UNIT = MESH_UNIT
 

@@ -8,7 +8,7 @@ import numpy as np
 
 from ..scene import Instance, Mesh, Scene, mean_roughness
 from ..tracing import is_convex
-from .gloss import lobe_angle_of_roughness
+from .glossy.gloss import lobe_angle_of_roughness
 
 _MOST_TRIANGLES = 50_000
 """Of what stands around; more take longer to look through than a choice may."""

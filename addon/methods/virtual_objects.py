@@ -15,8 +15,8 @@ from .contract import View
 from .deferred import DeferredMethod
 from .environment_map import CUBE_SIZE
 from .traced import reflections_left
-from .virtual_bounce import MET_UNIT, Bounce
-from .virtual_scene import VirtualScene
+from .virtual.bounce import MET_UNIT, Bounce
+from .virtual.scene import VirtualScene
 
 STEPS = Parameter(
     "steps",

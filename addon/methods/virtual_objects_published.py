@@ -14,8 +14,8 @@ from ..progress import Progress
 from .contract import View
 from .deferred import DeferredMethod
 from .environment_map import CUBE_SIZE
-from .virtual_meshes import VirtualMeshes
-from .virtual_pictures import MET_UNIT, VirtualPicture
+from .virtual.meshes import VirtualMeshes
+from .virtual.pictures import MET_UNIT, VirtualPicture
 
 STEPS = Parameter(
     "steps",

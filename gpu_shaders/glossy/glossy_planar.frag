@@ -5,7 +5,7 @@
 
 uniform sampler2D mirrored;        // radiance
 uniform sampler2D mirrored_depth;  // metres along the mirrored camera's axis; FAR for the world
-uniform sampler2D even_ranges;     // depth, nearest and farthest around (addon/methods/depth_ranges.py)
+uniform sampler2D even_ranges;     // depth, nearest and farthest around (addon/methods/glossy/depth_ranges.py)
 uniform sampler2D odd_ranges;
 uniform int levels;                // the last
 uniform mat4 world_to_mirrored;    // clip space of the mirrored camera

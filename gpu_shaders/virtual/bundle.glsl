@@ -1,4 +1,4 @@
-// The mirrored rays of a path (addon/methods/virtual_bundles.py).
+// The mirrored rays of a path (addon/methods/virtual/bundles.py).
 
 uniform vec4 bundle;       // the ball that they begin in: centre, radius
 uniform vec4 bundle_axis;  // where they go: axis, radians off it

@@ -2,7 +2,7 @@
 
 #include "virtual/maps.glsl"
 
-const int SAMPLES = 16;           // as addon/methods/virtual_bundles.py has it
+const int SAMPLES = 16;           // as addon/methods/virtual/bundles.py has it
 
 uniform vec4 eye;                 // w 0: infinitely far away, in that direction
 uniform int steps;

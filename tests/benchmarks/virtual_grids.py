@@ -17,8 +17,8 @@ from catoptric.addon.cache import Cache
 from catoptric.addon.gl import require
 from catoptric.addon.methods.contract import Frame, View
 from catoptric.addon.methods.registry import METHODS
-from catoptric.addon.methods.virtual_convergence import convergence
-from catoptric.addon.methods.virtual_pictures import VirtualPicture
+from catoptric.addon.methods.virtual.convergence import convergence
+from catoptric.addon.methods.virtual.pictures import VirtualPicture
 from catoptric.addon.metrics import error_maps
 from catoptric.addon.scene import Lighting, Scene
 from catoptric.scenes import path_of

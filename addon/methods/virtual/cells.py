@@ -5,8 +5,8 @@ from dataclasses import dataclass
 
 import numpy as np
 
-from ..tracing import EDGES, MIDDLES, CellTree
-from .virtual_bundles import Bundle, may_meet
+from ...tracing import EDGES, MIDDLES, CellTree
+from .bundles import Bundle, may_meet
 
 FEW = 8
 """Vertices of a cell that are searched themselves: no more than it has corners."""

@@ -5,9 +5,9 @@ from enum import Enum
 import moderngl
 import numpy as np
 
-from ..drawing import FREE_UNIT, Resident, Visibility, camera_uniforms
-from ..gl import feedback, primitive_counter, program, require, screen, set_uniforms
-from .reflection_buffers import ReflectionBuffers
+from ...drawing import FREE_UNIT, Resident, Visibility, camera_uniforms
+from ...gl import feedback, primitive_counter, program, require, screen, set_uniforms
+from .buffers import ReflectionBuffers
 
 _LIST = {"vertex_shader": "reprojection/missing.vert", "geometry_shader": "reprojection/missing.geom"}
 _PIXEL_BYTES = 8

@@ -5,9 +5,9 @@ from weakref import WeakKeyDictionary
 import moderngl
 import numpy as np
 
-from ..drawing import Canvas, Part, Resident, ScreenPass
-from ..gl import require, unbind
-from .planar import Picture
+from ...drawing import Canvas, Part, Resident, ScreenPass
+from ...gl import require, unbind
+from ..planar import Picture
 
 FAR = 1e30
 """Of the world, as in gpu_shaders/common/picture.glsl."""

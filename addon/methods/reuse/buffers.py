@@ -5,10 +5,10 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ..drawing import camera_uniforms, world_to_clip
-from ..gl import clear, require, set_uniforms
-from ..scene import Scene
-from .contract import View
+from ...drawing import camera_uniforms, world_to_clip
+from ...gl import clear, require, set_uniforms
+from ...scene import Scene
+from ..contract import View
 
 UNITS = 2
 """Texture units that the buffers take."""

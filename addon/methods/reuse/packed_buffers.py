@@ -2,9 +2,9 @@
 
 import moderngl
 
-from ..drawing import FREE_UNIT, ScreenPass, Visibility
-from ..gl import clear, require, set_uniforms
-from .reflection_buffers import ReflectionBuffers, Sample, known_camera
+from ...drawing import FREE_UNIT, ScreenPass, Visibility
+from ...gl import clear, require, set_uniforms
+from .buffers import ReflectionBuffers, Sample, known_camera
 
 UNITS = 2
 """Texture units that the buffers take."""

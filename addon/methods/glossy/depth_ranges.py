@@ -4,10 +4,10 @@ from weakref import WeakKeyDictionary
 
 import moderngl
 
-from ..drawing import Canvas
-from ..gl import program, require, screen, unbind
-from .mirrors import Bounds
-from .planar import PICTURE_UNIT
+from ...drawing import Canvas
+from ...gl import program, require, screen, unbind
+from ..mirrors import Bounds
+from ..planar import PICTURE_UNIT
 from .plane_distances import FAR
 
 LEVELS = 10

@@ -6,19 +6,19 @@ from dataclasses import replace
 import moderngl
 import numpy as np
 
-from ..baking.reflector_maps_tables import ResidentMaps
-from ..drawing import Resident, Visibility, world_to_clip
-from ..gl import clear, program, require
-from ..gl.textures import WIDTH as ROW
-from ..scene import Camera, Scene
-from .contract import View
-from .situation import placed
-from .virtual_bundles import Bundle, Run, bundles_of
-from .virtual_meshes import TABLES, Grid, VirtualMeshes
-from .virtual_rays import AFTER_RAYS, MAPS_UNIT, MirroredRays, eye_of, read
-from .virtual_refining import TABLES as REFINED_TABLES
-from .virtual_refining import Refining
-from .virtual_scene import runs_of
+from ...baking.reflector_maps_tables import ResidentMaps
+from ...drawing import Resident, Visibility, world_to_clip
+from ...gl import clear, program, require
+from ...gl.textures import WIDTH as ROW
+from ...scene import Camera, Scene
+from ..contract import View
+from ..situation import placed
+from .bundles import Bundle, Run, bundles_of
+from .meshes import TABLES, Grid, VirtualMeshes
+from .rays import AFTER_RAYS, MAPS_UNIT, MirroredRays, eye_of, read
+from .refining import TABLES as REFINED_TABLES
+from .refining import Refining
+from .scene import runs_of
 
 _MOST_RESULTS = 1 << 22
 """Of one batch: 64 MiB."""

@@ -5,14 +5,14 @@ from collections.abc import Sequence
 import moderngl
 import numpy as np
 
-from ..baking.reflector_maps_tables import ResidentMaps
-from ..drawing import Resident, world_to_clip
-from ..gl import capture, feedback, program, require, screen, set_uniforms
-from .contract import View
-from .virtual_bundles import Bundle, Run
-from .virtual_rays import AFTER_RAYS, MAPS_UNIT, MirroredRays, eye_of
-from .virtual_results import TEXTURES, Results, pieces
-from .virtual_scene import VirtualScene, runs_of
+from ...baking.reflector_maps_tables import ResidentMaps
+from ...drawing import Resident, world_to_clip
+from ...gl import capture, feedback, program, require, screen, set_uniforms
+from ..contract import View
+from .bundles import Bundle, Run
+from .rays import AFTER_RAYS, MAPS_UNIT, MirroredRays, eye_of
+from .results import TEXTURES, Results, pieces
+from .scene import VirtualScene, runs_of
 
 _EMIT = {"vertex_shader": "virtual/emit.vert", "geometry_shader": "virtual/emit.geom"}
 _BYTES = 16

@@ -5,13 +5,13 @@ from collections.abc import Sequence
 import moderngl
 import numpy as np
 
-from ..baking.reflector_maps_tables import ResidentMaps
-from ..drawing import world_to_clip
-from ..gl import DataTexture, feedback, require
-from .contract import View
-from .virtual_bundles import Bundle, Run
-from .virtual_cells import Forest, Refined, refined
-from .virtual_rays import MAPS_UNIT, eye_of
+from ...baking.reflector_maps_tables import ResidentMaps
+from ...drawing import world_to_clip
+from ...gl import DataTexture, feedback, require
+from ..contract import View
+from .bundles import Bundle, Run
+from .cells import Forest, Refined, refined
+from .rays import MAPS_UNIT, eye_of
 
 TABLES = 4
 """Texture units that the tables take."""

@@ -7,17 +7,17 @@ from weakref import WeakKeyDictionary
 import moderngl
 import numpy as np
 
-from ..drawing import FREE_UNIT, Part, ScreenPass, Visibility
-from ..gl import program
-from ..parameters import Parameter
-from ..progress import Progress
-from ..scene import Scene, only_seen_from_elsewhere
-from .contract import Reuse, View
-from .deferred import Clock, DeferredMethod
+from ...drawing import FREE_UNIT, Part, ScreenPass, Visibility
+from ...gl import program
+from ...parameters import Parameter
+from ...progress import Progress
+from ...scene import Scene, only_seen_from_elsewhere
+from ..contract import Reuse, View
+from ..deferred import Clock, DeferredMethod
+from ..traced import reflections_left
+from ..tracers import prepare_tracer, tracer_defines
+from .buffers import PIXEL_BYTES, ReflectionBuffers, Sample
 from .gathering import Gathering
-from .reflection_buffers import PIXEL_BYTES, ReflectionBuffers, Sample
-from .traced import reflections_left
-from .tracers import prepare_tracer, tracer_defines
 
 _LIGHT_UNIT = FREE_UNIT + 1
 

@@ -6,11 +6,11 @@ from enum import Enum
 import moderngl
 import numpy as np
 
-from ..drawing import first_triangles, world_box
-from ..gl import DataTexture, require
-from ..scene import Scene
-from ..tracing import Near, cell_tree, cut_near, interpolation_grid
-from .virtual_cells import FEW, Forest
+from ...drawing import first_triangles, world_box
+from ...gl import DataTexture, require
+from ...scene import Scene
+from ...tracing import Near, cell_tree, cut_near, interpolation_grid
+from .cells import FEW, Forest
 
 TABLES = 3
 """Texture units that the tables take."""

@@ -5,11 +5,11 @@ from collections.abc import Iterator
 import moderngl
 import numpy as np
 
-from ..baking.reflector_maps_tables import UNITS, ResidentMaps
-from ..drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility
-from ..gl import require
-from ..scene import Camera
-from .contract import View
+from ...baking.reflector_maps_tables import UNITS, ResidentMaps
+from ...drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility
+from ...gl import require
+from ...scene import Camera
+from ..contract import View
 
 MAPS_UNIT = FREE_UNIT + 1
 """The maps are on UNITS texture units from here on."""

@@ -5,11 +5,11 @@ from collections.abc import Sequence
 import moderngl
 import numpy as np
 
-from ..baking.reflector_maps_tables import ResidentMaps
-from ..drawing import first_triangles
-from ..gl import DataTexture, require
-from ..scene import Scene
-from ..tracing import Near, cut_near
+from ...baking.reflector_maps_tables import ResidentMaps
+from ...drawing import first_triangles
+from ...gl import DataTexture, require
+from ...scene import Scene
+from ...tracing import Near, cut_near
 
 _CHUNK = 64
 """Triangles that are searched, or left out, together."""

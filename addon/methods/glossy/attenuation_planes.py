@@ -30,7 +30,7 @@ from dataclasses import dataclass
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import UsageError
+from ...errors import UsageError
 from .gloss import filter_radius, fresnel, fresnel_factor, positive
 
 DETAIL = 0.05

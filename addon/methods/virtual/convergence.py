@@ -6,15 +6,15 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ..baking.reflector_maps import reflector_maps
-from ..baking.reflector_maps_tables import ResidentMaps
-from ..cache import Cache
-from ..drawing import world_box, world_to_clip
-from ..gl import feedback, on_gl_thread, require
-from ..parameters import Value
-from ..scene import Scene
-from .virtual_bundles import SAMPLES
-from .virtual_rays import MAPS_UNIT, eye_of
+from ...baking.reflector_maps import reflector_maps
+from ...baking.reflector_maps_tables import ResidentMaps
+from ...cache import Cache
+from ...drawing import world_box, world_to_clip
+from ...gl import feedback, on_gl_thread, require
+from ...parameters import Value
+from ...scene import Scene
+from .bundles import SAMPLES
+from .rays import MAPS_UNIT, eye_of
 
 STEPS = 12
 """That convergence is followed for."""

@@ -10,10 +10,10 @@ from dataclasses import dataclass
 import moderngl
 import numpy as np
 
-from ..drawing import Canvas, Resident, world_to_clip
-from ..gl import program, require, screen, unbind
+from ...drawing import Canvas, Resident, world_to_clip
+from ...gl import program, require, screen, unbind
+from ..planar import PICTURE_UNIT, Picture
 from .attenuation_planes import AttenuationPlanes
-from .planar import PICTURE_UNIT, Picture
 from .plane_distances import PlaneDistances
 
 MOST_PLANES = 256

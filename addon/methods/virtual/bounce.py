@@ -2,14 +2,14 @@
 
 import moderngl
 
-from ..baking.reflector_maps_tables import ResidentMaps
-from ..drawing import Resident, Visibility
-from ..gl import clear, program, require, screen
-from .contract import View
-from .virtual_bundles import bundles_of
-from .virtual_images import Images
-from .virtual_rays import AFTER_RAYS, MirroredRays, read
-from .virtual_scene import VirtualScene
+from ...baking.reflector_maps_tables import ResidentMaps
+from ...drawing import Resident, Visibility
+from ...gl import clear, program, require, screen
+from ..contract import View
+from .bundles import bundles_of
+from .images import Images
+from .rays import AFTER_RAYS, MirroredRays, read
+from .scene import VirtualScene
 
 MET_UNIT = AFTER_RAYS
 """What the rays of order n meet is on the n-th texture unit from here on."""

@@ -6,15 +6,15 @@ from weakref import WeakKeyDictionary
 
 import moderngl
 
-from ..drawing import FREE_UNIT, Part, ScreenPass, Visibility, camera_uniforms, world_to_clip
-from ..gl import program, require, sample_counter, set_uniforms
-from ..parameters import Parameter
-from ..progress import Progress
-from .deferred import Clock
+from ...drawing import FREE_UNIT, Part, ScreenPass, Visibility, camera_uniforms, world_to_clip
+from ...gl import program, require, sample_counter, set_uniforms
+from ...parameters import Parameter
+from ...progress import Progress
+from ..deferred import Clock
+from ..tracers import TRACER
+from .buffers import ReflectionBuffers, Sample
 from .packed_buffers import UNITS, PackedBuffers
-from .reflection_buffers import ReflectionBuffers, Sample
 from .reprojecting import MEMORY, SCHEDULE, THRESHOLD, History, ReprojectingMethod
-from .tracers import TRACER
 
 _FULL, _PACKED = "full", "packed"
 _MISSING = (0.0, 0.0, 0.0, -1.0)

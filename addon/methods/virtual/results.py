@@ -4,9 +4,9 @@ from collections.abc import Iterator, Sequence
 
 import moderngl
 
-from ..gl import require
-from ..gl.textures import WIDTH as ROW
-from .virtual_bundles import Bundle, Run
+from ...gl import require
+from ...gl.textures import WIDTH as ROW
+from .bundles import Bundle, Run
 
 TEXTURES = 3
 """Of results: first reflection points, where they are shown, and second ones, as virtual/search.frag has them."""

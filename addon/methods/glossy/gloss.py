@@ -13,7 +13,7 @@ import math
 import numpy as np
 from numpy.typing import ArrayLike
 
-from ..errors import UsageError
+from ...errors import UsageError
 
 LOBE_SHARE = math.sqrt(0.5)
 """The share of a GGX lobe's microfacets that the paper's cone of largest deviation stands for.

@@ -1,0 +1,1 @@
+"""What glossy floors share: the lobe, attenuation planes, distances behind a plane."""

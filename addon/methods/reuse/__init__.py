@@ -1,0 +1,1 @@
+"""What reprojected reflections share: buffers of earlier pictures, how they are shifted, warped and gathered."""
