@@ -57,7 +57,7 @@ class Shown:
             canvas = Canvas(*SIZE)
             try:
                 self.method.paint(self.view, canvas)
-                return develop(canvas, self.method.resident, view or self.view)
+                return develop(canvas, self.method, view or self.view)
             finally:
                 canvas.release()
 
@@ -71,7 +71,7 @@ def shown():
     made.method.release()
 
 
-def own_pixels(canvas, resident, view):
+def own_pixels(canvas, method, view):
     return canvas.pixels()[0][..., :3].copy()
 
 

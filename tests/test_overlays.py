@@ -17,17 +17,18 @@ from .stage import mesh_of, placed, scene_of
 SIZE = (60, 40)
 
 
-def developed(scene, name):
-    """(H, W, 4), row 0 at the bottom."""
-    view = View(scene.camera, *SIZE, 1)
-    method = Mixed({})
+def developed(scene, name, assignment=None, before=()):
+    """(H, W, 4), row 0 at the bottom, after the pictures of the cameras `before`."""
+    method = Mixed(assignment or {})
     method.prepare(scene, Lighting.UNLIT)
 
     def shown():
         canvas = Canvas(*SIZE)
         try:
-            method.paint(view, canvas)
-            return DEVELOPS[name](canvas, method.resident, view)
+            for camera in (*before, scene.camera):
+                view = View(camera, *SIZE, 1)
+                method.paint(view, canvas)
+            return DEVELOPS[name](canvas, method, view)
         finally:
             canvas.release()
 
@@ -84,3 +85,28 @@ def test_reflectors_are_green():
     mirror, other = shown[20, 45, :3], shown[20, 15, :3]
     assert mirror[1] > 2 * mirror[0]
     assert mirror[1] > other[1]
+
+
+def test_what_is_traced_anew_is_red_where_a_method_takes_over_the_rest():
+    """A key frame is traced whole; from one a step aside, only what comes into sight; a mirror drawn anew says nothing.
+
+    Two mirrors, left by reprojection, right by layered-depth.
+    """
+    mirror = mesh_of(trimesh.creation.box((2, 2, 0.1)))
+    lid = mesh_of(trimesh.creation.box((0.5, 0.5, 0.1)))
+    ceiling = mesh_of(trimesh.creation.box((40, 40, 0.1)))
+    left, right, above_left, far = (placed(at) for at in ((-1.5, 0, 0), (1.5, 0, 0), (-1.5, 0, 2), (0, 0, 12)))
+    parts = [(mirror, left, True), (mirror, right, True), (lid, above_left, False), (ceiling, far, False)]
+    scene = scene_of(parts, Camera(placed((0, 0, 9))))
+    by = {scene.instances[0].name: ("reprojection", {"threshold": 1.0})}
+    beside = replace(scene.camera, matrix=placed((0.4, 0, 9)))
+
+    def red(cameras):
+        shown = developed(scene, "RETRACED", by, cameras)
+        return (shown[..., 0] > 0.7) & (shown[..., 1] < 0.1)
+
+    first = red([])
+    assert first[:, :30].sum() > 50
+    assert not first[:, 30:].any()
+    assert 0 < red([beside]).sum() < 0.3 * first.sum()
+    assert not red([scene.camera]).any()

@@ -17,7 +17,7 @@ from .stage import looking, mesh_of, placed, scene_of
 SIZE = (48, 32)
 
 
-def plain(canvas, resident, view):
+def plain(canvas, method, view):
     return canvas.pixels()[0]
 
 

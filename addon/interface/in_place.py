@@ -4,8 +4,9 @@ from dataclasses import dataclass, field
 
 import numpy as np
 
-from ..drawing import Canvas, Resident
+from ..drawing import Canvas
 from ..methods.contract import View
+from ..methods.mixed import Mixed
 from .overlays import opaque, picture
 
 _LINE = 0.9
@@ -25,9 +26,9 @@ class InPlace:
         """Whether a picture of `view` may be held against this one."""
         return self.view.shows_the_same(view)
 
-    def split(self, canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
+    def split(self, canvas: Canvas, method: Mixed, view: View) -> np.ndarray:
         """Ours to the left, Cycles to the right; ours alone once the view has changed."""
-        ours = picture(canvas, resident, view)
+        ours = picture(canvas, method, view)
         if self.fits(view):
             self._judge(canvas, view)
             middle = view.width // 2
@@ -35,10 +36,10 @@ class InPlace:
             ours[:, middle, :3] = _LINE
         return ours
 
-    def error(self, canvas: Canvas, resident: Resident, view: View) -> np.ndarray:
+    def error(self, canvas: Canvas, method: Mixed, view: View) -> np.ndarray:
         """The FLIP map, from black (equal) by purple and red to yellow; our picture once the view has changed."""
         if not self.fits(view):
-            return picture(canvas, resident, view)
+            return picture(canvas, method, view)
         return opaque(_heat(self._judge(canvas, view)))
 
     def _judge(self, canvas: Canvas, view: View) -> np.ndarray:

@@ -23,6 +23,7 @@ OVERLAYS = (
     ("REFLECTORS", "Reflectors", "Where a reflector shows, in green", 1),
     ("DISTANCE", "Hit distance", "How far away is what a mirror shows: near is bright, the world is blue", 2),
     ("LAYERS", "Layers", "Layers of the layered depth textures: blue is one, red five and more", 3),
+    ("RETRACED", "Traced anew", "In red what reprojection could not take over from earlier pictures, as you move", 7),
     ("SPLIT", "Ours and Cycles", "Half and half, once Cycles has drawn this view", 5),
     ("ERROR", "Error", "FLIP against Cycles, once it has drawn this view: black is equal", 6),
     ("REGIONS", "Reflection regions", "Green where a reflector may show an object, red where it cannot", 4),

@@ -11,7 +11,7 @@ from gpu_extras.presets import draw_texture_2d
 from ..methods.contract import View
 from ..methods.studio import Develop, Picture
 from ..scene import Camera
-from .overlays import DEVELOPS
+from .overlays import DEVELOPS, OF_MOTION
 from .stages import Stage, wake
 
 
@@ -33,7 +33,8 @@ class Viewport:
         settings = scene.catoptric
         stage.viewers[region.as_pointer()] = self
         view = view_of(region, context.region_data, int(settings.scale))
-        self._ask(view, int(settings.samples), _develop_of(stage, settings.overlay))
+        develop = _develop_of(stage, settings.overlay)
+        self._ask(view, 1 if develop in OF_MOTION else int(settings.samples), develop)
         picture = stage.studio.picture(self)
         if picture is None:
             return

@@ -40,7 +40,7 @@ class View:
 class Reuse:
     """What a picture took over from an earlier one, the key frame.
 
-    `retraced` (H, W) bool, row 0 the top: the reflectors' pixels whose centre was traced anew; `share` of the
+    `retraced` (H, W) bool, row 0 the top: its reflectors' pixels whose centre was traced anew; `share` of these
     reflectors' pixels that they are; `is_key`: the picture was traced whole, for those that follow.
     """
 

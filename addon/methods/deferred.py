@@ -56,7 +56,7 @@ class EnsembleMethod(Method):
         return self._ensemble.paint(view, canvas, progress)
 
     def reused(self, canvas: Canvas) -> Reuse | None:
-        """What a method that draws alone took over."""
+        """What the method took over, or the one of several that takes over at all."""
         return self._ensemble.reused(canvas)
 
     @on_gl_thread
@@ -218,8 +218,9 @@ class Ensemble:
         return [(group, method) for group, method in enumerate(self._cast) if method in self._ready]
 
     def reused(self, canvas: Canvas) -> Reuse | None:
-        """What the picture just painted took over; only of a method that draws alone."""
-        return next(iter(self._cast)).reused_on(canvas.visibility) if len(self._cast) == 1 else None
+        """What the one method among those that draw took over that takes over at all."""
+        taken = [reuse for _, method in self._drawing() if (reuse := method.reused_on(canvas.visibility))]
+        return taken[0] if len(taken) == 1 else None
 
     def _times(self, stages: dict[Hashable, float]) -> dict[str, float]:
         """`time_ms` of a `Frame`: each method's own time, if there are several, else its stages; and their sum."""

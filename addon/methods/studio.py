@@ -7,7 +7,7 @@ from threading import Lock
 
 import numpy as np
 
-from ..drawing import Canvas, Resident
+from ..drawing import Canvas
 from ..errors import Cancelled, CatoptricError
 from ..gl import call, submit
 from ..scene import Lighting, Scene
@@ -15,8 +15,8 @@ from .auto import Choice
 from .contract import View
 from .mixed import Assignment, Mixed
 
-Develop = Callable[[Canvas, Resident, View], np.ndarray]
-"""From what was just painted to the pixels that a viewer wants; runs on the GL thread."""
+Develop = Callable[[Canvas, Mixed, View], np.ndarray]
+"""From what was just painted, and by what, to the pixels that a viewer wants; runs on the GL thread."""
 
 _log = logging.getLogger(__name__)
 
@@ -197,7 +197,7 @@ class Studio:
                 raise Cancelled
 
         time_ms = self._method.paint(view, canvas, overtaken)
-        pixels = develop(canvas, self._method.resident, view)
+        pixels = develop(canvas, self._method, view)
         self._pictures[viewer] = Picture(pixels, view, develop, self._on_stage, time_ms)
 
     def _drop_canvas(self, viewer: Hashable) -> None:
