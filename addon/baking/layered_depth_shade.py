@@ -4,10 +4,10 @@ import moderngl
 import numpy as np
 
 from ..drawing import FREE_UNIT, Resident
-from ..gl import DataTexture, program, require, screen
+from ..gl import DataTexture, program, require, screen, set_uniforms
+from ..gl.textures import WIDTH
 
-_WIDTH = 4096
-_CHUNK = _WIDTH * 512
+_CHUNK = WIDTH * 512
 
 
 class Shader:
@@ -20,7 +20,7 @@ class Shader:
         self._screen = screen(self._shader)
         counts = [len(mesh.triangles) for mesh in resident.scene.meshes]
         first = sum(counts[: resident.scene.instances[instance].mesh])
-        self._uniforms = {"instance": instance, "first_triangle": first, "box_low": low, "box_size": size}
+        self._uniforms = {"instance": instance, "first_triangle": first, "box_low": tuple(low), "box_size": tuple(size)}
 
     def shade(
         self, axis: int, shape: tuple[int, int], texel: np.ndarray, triangle: np.ndarray
@@ -35,7 +35,7 @@ class Shader:
 
     def _chunk(self, axis: int, shape: tuple[int, int], crossings: np.ndarray) -> list[np.ndarray]:
         context = require()
-        size = (_WIDTH, -(-len(crossings) // _WIDTH))
+        size = (WIDTH, -(-len(crossings) // WIDTH))
         table = DataTexture(crossings)
         textures = [context.texture(size, 4, dtype="f4") for _ in range(2)]
         target = context.framebuffer(textures)
@@ -44,9 +44,8 @@ class Shader:
             context.enable_only(moderngl.NOTHING)
             self._resident.bind(self._shader)
             table.use(FREE_UNIT)
-            uniforms = {**self._uniforms, "crossings": FREE_UNIT, "count": len(crossings), "axis": axis, "shape": shape}
-            for name, value in uniforms.items():
-                self._shader[name] = tuple(value) if isinstance(value, np.ndarray) else value
+            chunk = {"crossings": FREE_UNIT, "count": len(crossings), "axis": axis, "shape": shape}
+            set_uniforms(self._shader, {**self._uniforms, **chunk})
             self._screen.render(vertices=3)
             return [
                 np.frombuffer(texture.read(), np.float32).reshape(-1, 4)[: len(crossings), :3] for texture in textures

@@ -7,10 +7,10 @@ import moderngl
 import numpy as np
 
 from ..drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility, first_triangles, world_to_clip
-from ..gl import DataTexture, on_gl_thread, program, require, screen
+from ..gl import DataTexture, on_gl_thread, program, require, screen, set_uniforms
+from ..gl.textures import WIDTH
 from ..scene import Camera, Instance, Mesh, Scene
 
-_WIDTH = 4096
 _WORD = 32
 
 
@@ -47,10 +47,10 @@ class Regions:
         counts = np.array([len(mesh.triangles) for mesh in scene.meshes], np.int64)
         self._first_triangle = first_triangles(resident.scene)
         self._counts = {index: int(counts[scene.instances[index].mesh]) for index in chosen}
-        self._first_row, rows = {}, -(-len(scene.instances) // _WIDTH)
+        self._first_row, rows = {}, -(-len(scene.instances) // WIDTH)
         for index, count in self._counts.items():
-            self._first_row[index], rows = rows, rows - (-count * self.words // _WIDTH)
-        self._texture = context.texture((_WIDTH, max(1, rows)), 1, dtype="u4")
+            self._first_row[index], rows = rows, rows - (-count * self.words // WIDTH)
+        self._texture = context.texture((WIDTH, max(1, rows)), 1, dtype="u4")
         self._texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
         self._write_starts(scene)
         self._target = context.framebuffer([self._texture])
@@ -60,11 +60,11 @@ class Regions:
 
     def _write_starts(self, scene: Scene) -> None:
         """The first rows say where each instance's words begin, less its mesh's first triangle, modulo 2³²."""
-        starts = np.zeros(-(-len(scene.instances) // _WIDTH) * _WIDTH, np.int64)
+        starts = np.zeros(-(-len(scene.instances) // WIDTH) * WIDTH, np.int64)
         for index, row in self._first_row.items():
-            starts[index] = row * _WIDTH - self._first_triangle[scene.instances[index].mesh] * self.words
-        rows = len(starts) // _WIDTH
-        self._texture.write(starts.astype(np.uint32), viewport=(0, 0, _WIDTH, rows) if rows else None)
+            starts[index] = row * WIDTH - self._first_triangle[scene.instances[index].mesh] * self.words
+        rows = len(starts) // WIDTH
+        self._texture.write(starts.astype(np.uint32), viewport=(0, 0, WIDTH, rows) if rows else None)
 
     def update(self, camera: Camera) -> None:
         """Test every triangle of every reflector for the eye of `camera`."""
@@ -79,13 +79,12 @@ class Regions:
             "eye": tuple(camera.position),
             "orthographic": camera.ortho_scale is not None,
         }
-        for name, value in uniforms.items():
-            self._shader[name] = value
+        set_uniforms(self._shader, uniforms)
         for index, count in self._counts.items():
             mesh, row = self._resident.scene.instances[index].mesh, self._first_row[index]
             self._shader["reflector"], self._shader["triangles"] = index, count
             self._shader["first_triangle"], self._shader["first_row"] = int(self._first_triangle[mesh]), row
-            require().viewport = (0, row, _WIDTH, -(-count * self.words // _WIDTH))
+            require().viewport = (0, row, WIDTH, -(-count * self.words // WIDTH))
             self._screen.render(vertices=3)
 
     def bind(self, shader: moderngl.Program, unit: int) -> None:
@@ -96,7 +95,7 @@ class Regions:
     def masks(self) -> dict[int, np.ndarray]:
         """(T, words) uint32 for each reflector's instance: bit i of word w is instance 32 w + i."""
         rows = np.frombuffer(self._texture.read(), np.uint32)
-        starts = {index: row * _WIDTH for index, row in self._first_row.items()}
+        starts = {index: row * WIDTH for index, row in self._first_row.items()}
         return {
             index: rows[start : start + self._counts[index] * self.words].reshape(-1, self.words)
             for index, start in starts.items()
