@@ -9,9 +9,11 @@ from catoptric.addon.metrics import (
     MAGMA,
     Exposures,
     Figures,
+    Picture,
     PictureError,
     error_maps,
     exposures_of,
+    flip_map,
     hdr_flip_map,
     magma,
     measure,
@@ -19,8 +21,11 @@ from catoptric.addon.metrics import (
     to_bytes,
     to_display,
 )
+from catoptric.addon.metrics.filters import across, down
 from hypothesis import given, settings
 from hypothesis import strategies as st
+from scipy import ndimage
+from skimage.metrics import structural_similarity
 
 LINEAR_OF_188 = ((188 / 255 + 0.055) / 1.055) ** 2.4
 
@@ -73,6 +78,67 @@ def test_flip_agrees_with_the_evaluators_own_mean():
     ours = exposures_of(reference)
     assert (ours.start, ours.stop) == pytest.approx((used["startExposure"], used["stopExposure"]), abs=0.01)
     assert ours.count == used["numExposures"]
+
+
+sizes = st.tuples(st.integers(1, 70), st.integers(1, 70))
+
+
+@given(sizes, st.integers(0, 2**32 - 1), st.sampled_from([0.02, 0.3, 1.0]))
+@settings(max_examples=25, deadline=None)
+def test_flip_is_the_evaluators_pixel_by_pixel(size, seed, share):
+    """The root of a difference of features makes much of the evaluator's own rounding."""
+    reference = random_picture(seed, *size)
+    test = (1 - share) * reference + share * random_picture(seed + 1, *size)
+    shown = to_display(reference), to_display(test)
+    expected = flip_evaluator.evaluate(*shown, "LDR", applyMagma=False, computeMeanError=False)[0][..., 0]
+    found = flip_map(test, reference)
+    assert np.abs(found - expected).max() < 1e-3
+    assert found.mean() == pytest.approx(expected.mean(), abs=1e-4)
+
+
+@given(st.integers(11, 70), st.integers(11, 70), st.integers(0, 2**32 - 1))
+@settings(max_examples=25, deadline=None)
+def test_ssim_is_that_of_scikit_image(height, width, seed):
+    reference = random_picture(seed, height, width)
+    test = 0.8 * reference + 0.2 * random_picture(seed + 1, height, width)
+    shown = [to_display(picture).astype(np.float64) for picture in (test, reference)]
+    _, expected = structural_similarity(
+        *shown, channel_axis=-1, data_range=1.0, gaussian_weights=True, use_sample_covariance=False, full=True
+    )
+    assert error_maps(test, reference, hdr=False).ssim == pytest.approx(expected.mean(axis=-1), abs=2e-5)
+
+
+@pytest.mark.parametrize("mode", ["edge", "symmetric"])
+@given(sizes, st.integers(1, 12), st.integers(0, 2**32 - 1))
+@settings(max_examples=20, deadline=None)
+def test_filters_are_those_of_scipy(mode, size, radius, seed):
+    rng = np.random.default_rng(seed)
+    maps, kernel = rng.random((2, *size), np.float32), rng.normal(size=2 * radius + 1)
+    goes_on = {"edge": "nearest", "symmetric": "reflect"}[mode]
+    for ours, axis in ((across, -1), (down, -2)):
+        expected = ndimage.correlate1d(maps.astype(np.float64), kernel, axis, mode=goes_on)
+        assert ours(maps, kernel, mode) == pytest.approx(expected, abs=1e-5)
+
+
+@given(pictures, st.integers(0, 2**32 - 1))
+@settings(max_examples=20, deadline=None)
+def test_a_difference_is_seen_near_it_alone(reference, seed):
+    """FLIP's filters reach 10 pixels, those of SSIM 5: beyond, equal pictures are equal."""
+    reference = np.pad(reference, [(0, 40), (0, 40), (0, 0)], "reflect")
+    test, near = reference.copy(), np.random.default_rng(seed).integers(0, 8, 2)
+    test[tuple(near)] += 0.5
+    errors = error_maps(test, reference, hdr=False)
+    ys, xs = np.mgrid[: reference.shape[0], : reference.shape[1]]
+    away = np.maximum(abs(ys - near[0]), abs(xs - near[1]))
+    assert not errors.flip[away > 10].any()
+    assert (errors.ssim[away > 5] == 1.0).all()
+
+
+def test_a_reference_that_is_held_on_to_gives_the_same_figures():
+    first, second, reference = (random_picture(seed) for seed in (10, 11, 12))
+    kept = Picture(reference)
+    for test in (first, second):
+        assert error_maps(test, kept).over() == error_maps(test, reference).over()
 
 
 def test_relative_error_is_relative_to_the_reference():

@@ -10,14 +10,19 @@ _MAGMA_ANCHORS = (
 
 def to_display(linear: np.ndarray) -> np.ndarray:
     """float32 in 0..1, sRGB-encoded (IEC 61966-2-1), of linear radiance of any shape, clamped to 0..1."""
-    clamped = np.clip(linear, 0.0, 1.0).astype(np.float32)
+    clamped = np.clip(linear, 0.0, 1.0).astype(np.float32, copy=False)
     encoded = np.where(clamped <= 0.0031308, 12.92 * clamped, 1.055 * clamped ** (1 / 2.4) - 0.055)
     return np.clip(encoded, 0.0, 1.0, dtype=np.float32)
 
 
 def to_bytes(linear: np.ndarray) -> np.ndarray:
     """uint8 in 0..255: `to_display`, rounded to the nearest of a screen's steps."""
-    return (to_display(linear) * 255.0 + 0.5).astype(np.uint8)
+    return stepped(to_display(linear))
+
+
+def stepped(shown: np.ndarray) -> np.ndarray:
+    """uint8 in 0..255 of what `to_display` gives."""
+    return (shown * 255.0 + 0.5).astype(np.uint8)
 
 
 def magma(values: np.ndarray) -> np.ndarray:

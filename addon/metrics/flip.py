@@ -7,7 +7,7 @@ import flip_evaluator
 import numpy as np
 
 from ..scene import LUMINANCE
-from .display import to_display
+from .ldr_flip import flip, seen
 
 MOST_EXPOSURES = 10
 """HDR-FLIP looks at about one exposure a stop; a sun in the picture would ask for dozens, at 0.3 s each."""
@@ -44,7 +44,12 @@ def flip_map(test: np.ndarray, reference: np.ndarray) -> np.ndarray:
 
     For an observer who sees 67 pixels a degree, FLIP's default.
     """
-    return _evaluate(to_display(test), to_display(reference), "LDR", {})
+    return flip(*(seen(np.clip(planes_of(picture), 0.0, 1.0)) for picture in (test, reference)))
+
+
+def planes_of(picture: np.ndarray) -> np.ndarray:
+    """float32 (3, H, W): a picture (H, W, 3) channel by channel, in which arithmetic runs along the pixels."""
+    return np.ascontiguousarray(np.moveaxis(picture, -1, 0), np.float32)
 
 
 def hdr_flip_map(test: np.ndarray, reference: np.ndarray, exposures: Exposures) -> np.ndarray:
@@ -57,14 +62,10 @@ def hdr_flip_map(test: np.ndarray, reference: np.ndarray, exposures: Exposures) 
         "stopExposure": exposures.stop,
         "numExposures": exposures.count,
     }
-    return _evaluate(np.maximum(test, 0.0), np.maximum(reference, 0.0), "HDR", parameters)
-
-
-def _evaluate(test: np.ndarray, reference: np.ndarray, kind: str, parameters: dict) -> np.ndarray:
     # flip_evaluator leaves the process on bad arguments, so callers check pictures before they come here.
-    pictures = (np.ascontiguousarray(picture, dtype=np.float32) for picture in (reference, test))
+    pictures = (np.ascontiguousarray(np.maximum(picture, 0.0), dtype=np.float32) for picture in (reference, test))
     errors, _, _ = flip_evaluator.evaluate(
-        *pictures, kind, inputsRGB=True, applyMagma=False, computeMeanError=False, parameters=parameters
+        *pictures, "HDR", applyMagma=False, computeMeanError=False, parameters=parameters
     )
     return errors[..., 0]
 
