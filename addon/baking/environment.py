@@ -7,7 +7,7 @@ import numpy as np
 
 from ..drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility, world_box, world_to_clip
 from ..errors import MachineError
-from ..gl import DataTexture, require
+from ..gl import DataTexture, read_back, require
 from ..scene import Camera, Scene
 
 _PASSES = (
@@ -79,7 +79,8 @@ class EnvironmentCubes:
     def read(self) -> np.ndarray:
         """(reflectors, 6, size, size, 3) float32 radiance, row 0 of a face at the bottom."""
         height = self._texture.height
-        rows = np.frombuffer(self._texture.read(), np.float32).reshape(height // self.size, self.size, 6, self.size, 4)
+        texels = np.frombuffer(read_back(self._texture), np.float32)
+        rows = texels.reshape(height // self.size, self.size, 6, self.size, 4)
         return rows.transpose(0, 2, 1, 3, 4)[..., :3]
 
     def release(self) -> None:

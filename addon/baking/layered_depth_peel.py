@@ -6,7 +6,7 @@ from typing import NamedTuple
 import moderngl
 import numpy as np
 
-from ..gl import DataTexture, program, require
+from ..gl import DataTexture, program, read_back, require
 from ..progress import Progress, part_of, silent
 
 _NOTHING = 1.5
@@ -113,7 +113,7 @@ class Peeler:
         target.clear(-2.0, 0.0, 0.0, 0.0)
         previous.use(1)
         self._array.render(moderngl.TRIANGLES)
-        return np.frombuffer(target.read(components=4, dtype="f4"), np.float32).reshape(-1, 4)
+        return np.frombuffer(read_back(target, components=4, dtype="f4"), np.float32).reshape(-1, 4)
 
     def release(self) -> None:
         """Give the memory back."""

@@ -4,7 +4,7 @@ import moderngl
 import numpy as np
 
 from ..drawing import FREE_UNIT, Resident
-from ..gl import DataTexture, program, require, screen, set_uniforms
+from ..gl import DataTexture, program, read_back, require, screen, set_uniforms
 from ..gl.textures import WIDTH
 
 _CHUNK = WIDTH * 512
@@ -47,9 +47,8 @@ class Shader:
             chunk = {"crossings": FREE_UNIT, "count": len(crossings), "axis": axis, "shape": shape}
             set_uniforms(self._shader, {**self._uniforms, **chunk})
             self._screen.render(vertices=3)
-            return [
-                np.frombuffer(texture.read(), np.float32).reshape(-1, 4)[: len(crossings), :3] for texture in textures
-            ]
+            read = [np.frombuffer(read_back(texture), np.float32).reshape(-1, 4) for texture in textures]
+            return [texels[: len(crossings), :3] for texels in read]
         finally:
             for part in (target, table, *textures):
                 part.release()

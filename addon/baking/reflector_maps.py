@@ -8,7 +8,7 @@ import moderngl
 import numpy as np
 
 from ..cache import Cache, key_of
-from ..gl import on_gl_thread, program, require
+from ..gl import on_gl_thread, program, read_back, require
 from ..parameters import Parameter
 from ..progress import Progress, part_of, silent
 from ..scene import Mesh, Scene
@@ -236,7 +236,7 @@ def _drawn(points: np.ndarray, normals: np.ndarray, faces: Sequence[int], size: 
             target.clear()
             shader["axis"], shader["side"] = face // 2, 1.0 - 2.0 * (face % 2)
             array.render(moderngl.TRIANGLES)
-            pictures.append([np.frombuffer(part.read(), np.float32).reshape(size, size, 4) for part in textures])
+            pictures.append([np.frombuffer(read_back(part), np.float32).reshape(size, size, 4) for part in textures])
         return tuple(np.stack(part) for part in zip(*pictures, strict=True))
     finally:
         for part in (target, *textures, array, buffer):

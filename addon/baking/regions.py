@@ -7,7 +7,7 @@ import moderngl
 import numpy as np
 
 from ..drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility, first_triangles, world_to_clip
-from ..gl import DataTexture, on_gl_thread, program, require, screen, set_uniforms
+from ..gl import DataTexture, on_gl_thread, program, read_back, require, screen, set_uniforms
 from ..gl.textures import WIDTH
 from ..scene import Camera, Instance, Mesh, Scene
 
@@ -94,7 +94,7 @@ class Regions:
 
     def masks(self) -> dict[int, np.ndarray]:
         """(T, words) uint32 for each reflector's instance: bit i of word w is instance 32 w + i."""
-        rows = np.frombuffer(self._texture.read(), np.uint32)
+        rows = np.frombuffer(read_back(self._texture), np.uint32)
         starts = {index: row * WIDTH for index, row in self._first_row.items()}
         return {
             index: rows[start : start + self._counts[index] * self.words].reshape(-1, self.words)
@@ -141,8 +141,8 @@ def region_view(resident: Resident, camera: Camera, width: int, height: int) -> 
         regions.bind(view.shader, FREE_UNIT + 1)
         target.clear()
         view.draw(camera, visibility, target)
-        picture = np.frombuffer(texture.read(), np.float32).reshape(height, width, 4)[::-1, :, :3].copy()
-        seen = np.frombuffer(visibility.texture.read(), np.uint32).reshape(-1, 2)
+        picture = np.frombuffer(read_back(texture), np.float32).reshape(height, width, 4)[::-1, :, :3].copy()
+        seen = np.frombuffer(read_back(visibility.texture), np.uint32).reshape(-1, 2)
         return picture, removed(resident.scene, regions.masks(), seen)
     finally:
         for part in (regions, visibility, target, texture):

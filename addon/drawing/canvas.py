@@ -4,7 +4,7 @@ import moderngl
 import numpy as np
 
 from ..errors import MachineError, UsageError
-from ..gl import require, unbind
+from ..gl import read_back, require, unbind
 from .visibility import Visibility
 
 _CLEARLY_FAR = 1e29
@@ -52,7 +52,7 @@ class Canvas:
     def rows(self, texture: moderngl.Texture) -> np.ndarray:
         """(H, W, channels) float32 of one of the textures as it is, row 0 at the bottom."""
         width, height = self.size
-        return np.frombuffer(texture.read(), np.float32).reshape(height, width, -1)
+        return np.frombuffer(read_back(texture), np.float32).reshape(height, width, -1)
 
     def pixels(self) -> tuple[np.ndarray, np.ndarray]:
         """`color` (H, W, 4) and `distance` (H, W) as they are: row 0 at the bottom, 0 off the reflectors."""
@@ -72,7 +72,7 @@ class Canvas:
     def read_instances(self) -> np.ndarray:
         """(H, W) int64, row 0 the top: the instance that the last sample of each pixel shows, -1 for the world."""
         width, height = self.size
-        seen = np.frombuffer(self.visibility.texture.read(), np.uint32).reshape(height, width, 2)
+        seen = np.frombuffer(read_back(self.visibility.texture), np.uint32).reshape(height, width, 2)
         return seen[::-1, :, 0].astype(np.int64) - 1
 
     def release(self) -> None:

@@ -2,7 +2,7 @@
 
 import numpy as np
 
-from ..gl import require
+from ..gl import read_back, require
 from ..scene import Camera
 from .passes import ScreenPass
 from .resident import Resident
@@ -21,7 +21,7 @@ def layer_view(resident: Resident, camera: Camera, seen: Visibility) -> np.ndarr
     try:
         target.clear()
         ScreenPass("overlays/layers.frag", resident, Part.SURFACES).draw(camera, seen, target)
-        pixels = np.frombuffer(texture.read(), np.float32).reshape(seen.size[1], seen.size[0], 4)
+        pixels = np.frombuffer(read_back(texture), np.float32).reshape(seen.size[1], seen.size[0], 4)
         return pixels[..., 0].round().astype(int)
     finally:
         target.release()

@@ -4,7 +4,7 @@ from collections.abc import Mapping
 
 import moderngl
 
-from ..gl import program, require, screen, set_uniforms
+from ..gl import program, require, screen, set_uniforms, settle
 from ..scene import Camera
 from .resident import FREE_UNIT, Resident
 from .visibility import Part, Visibility, camera_uniforms
@@ -49,5 +49,6 @@ class ScreenPass:
         uniforms = {"visibility": FREE_UNIT, "corner": corner, "weight": weight, "depth": self._depth}
         set_uniforms(self.shader, {**uniforms, **camera_uniforms(camera, *visibility.size, offset)})
         context.depth_func = self._passes
+        settle()
         self._screen.render(vertices=3)
         context.depth_func = "<"

@@ -6,7 +6,7 @@ from enum import Enum
 import moderngl
 import numpy as np
 
-from ..gl import clear, program, require, sample_counter, screen
+from ..gl import clear, finish, program, require, sample_counter, screen, settle
 from ..gl.stencil import attach_stencil, depth_stencil
 from ..scene import Camera
 from .opening import Opening
@@ -50,6 +50,7 @@ class Visibility:
         context.viewport = (0, 0, *self.size)
         clear(self._target)
         context.enable_only(moderngl.DEPTH_TEST)
+        settle()
         instances = resident.scene.instances
         shown = (index for index, instance in enumerate(instances) if instance.in_camera and index not in hidden)
         resident.rasteriser.draw(world_to_clip, shown)
@@ -75,6 +76,7 @@ class Visibility:
         resident.bind(self._mark)
         self.texture.use(FREE_UNIT)
         self._mark["visibility"], self._mark["group"] = FREE_UNIT, group
+        settle()
         self._screen.render(vertices=3)
         context.depth_func = "<"
 
@@ -89,6 +91,7 @@ class Visibility:
         with counted:
             mark()
         self._mask.depth_mask = True
+        finish()
         return counted.samples > 0
 
     def release(self) -> None:

@@ -7,7 +7,8 @@ from .counting import primitive_counter, sample_counter
 from .functions import function
 from .programs import feedback, program, screen, set_uniforms
 from .textures import DataTexture
-from .timers import Stopwatch, is_software
+from .timers import Stopwatch
+from .waiting import finish, is_software, read_back, render, settle
 
 __all__ = [
     "DataTexture",
@@ -17,16 +18,20 @@ __all__ = [
     "capture",
     "clear",
     "feedback",
+    "finish",
     "function",
     "give_way",
     "is_software",
     "on_gl_thread",
     "primitive_counter",
     "program",
+    "read_back",
+    "render",
     "require",
     "sample_counter",
     "screen",
     "set_uniforms",
+    "settle",
     "submit",
     "unbind",
 ]

@@ -9,6 +9,9 @@ from .context import require
 WIDTH = 4096
 """Texels in a row of a data texture; gpu_shaders/common/data.glsl holds the same number."""
 
+_ROWS = 64
+"""Rows that are uploaded in one call, during which no other Python thread runs."""
+
 _DTYPES = {np.dtype(np.float32): "f4", np.dtype(np.uint32): "u4", np.dtype(np.int32): "i4", np.dtype(np.uint8): "f1"}
 
 
@@ -27,11 +30,19 @@ class DataTexture:
                 "simplify meshes or shrink textures"
             )
         width = WIDTH if rows > 1 else max(1, count)
-        padded = np.zeros((rows * width, components), array.dtype)
-        padded[:count] = array
-        self.texture = context.texture((width, rows), components, padded, alignment=1, dtype=_DTYPES[array.dtype])
+        self.texture = context.texture((width, rows), components, alignment=1, dtype=_DTYPES[array.dtype])
         self.texture.filter = (moderngl.NEAREST, moderngl.NEAREST)
-        self.size_bytes = padded.nbytes
+        self.size_bytes = rows * width * components * array.itemsize
+        for row in range(0, rows, _ROWS):
+            self._upload(array[row * width : (row + _ROWS) * width], row)
+
+    def _upload(self, texels: np.ndarray, row: int) -> None:
+        """Write `texels` (N, components) from a row on; what is left of the last row is zeros."""
+        width, components = self.texture.width, self.texture.components
+        height = max(1, -(-len(texels) // width))
+        padded = np.zeros((height * width, components), texels.dtype)
+        padded[: len(texels)] = texels
+        self.texture.write(padded, viewport=(0, row, width, height), alignment=1)
 
     def use(self, unit: int) -> None:
         """Bind to a texture unit."""

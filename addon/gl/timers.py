@@ -8,17 +8,10 @@ from time import perf_counter
 import moderngl
 
 from .context import require
-from .functions import function
+from .waiting import finish, is_software
 
 _queries: list[moderngl.Query] = []
 """Timer queries of the stopwatch in use, for the next one as well: moderngl never gives one back to OpenGL."""
-
-_SOFTWARE = ("llvmpipe", "softpipe", "swrast", "swiftshader", "software")
-
-
-def is_software(renderer: str) -> bool:
-    """Whether a GL renderer string names a program on the CPU rather than a GPU."""
-    return any(name in renderer.lower() for name in _SOFTWARE)
 
 
 class Stopwatch:
@@ -53,19 +46,14 @@ class Stopwatch:
 
     @contextmanager
     def _clocked(self, times: list[Callable[[], float]]) -> Iterator[None]:
-        _finish()
+        finish()
         start = perf_counter()
         yield
-        _finish()
+        finish()
         elapsed = 1e3 * (perf_counter() - start)
         times.append(lambda: elapsed)
 
     def medians(self) -> dict[Hashable, float]:
         """Median milliseconds of each stage. The first time of several, a warm-up, is not counted."""
-        _finish()
+        finish()
         return {name: median(time() for time in times[len(times) > 1 :]) for name, times in self._times.items()}
-
-
-def _finish() -> None:
-    """Wait until everything drawn so far is drawn, while other Python threads go on: moderngl's would hold them."""
-    function("glFinish")()

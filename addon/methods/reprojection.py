@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 
 from ..drawing import ScreenPass, Visibility, first_triangles
-from ..gl import DataTexture, sample_counter
+from ..gl import DataTexture, finish, sample_counter
 from ..parameters import Parameter
 from ..progress import Progress
 from ..scene import Mesh, Scene
@@ -99,6 +99,7 @@ class Reprojection(ReprojectingMethod):
             with clock("searching the last picture"):
                 history.gathering.gather(picture, Missing.UNSEEN)
                 history.gathering.fill(picture, self._search(recent, sample)[1], self.resident, seen)
+        finish()
         return counted.samples
 
     def _search(self, known: ReflectionBuffers, sample: Sample) -> tuple[ScreenPass, moderngl.Program]:

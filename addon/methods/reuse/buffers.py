@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 
 from ...drawing import camera_uniforms, world_to_clip
-from ...gl import clear, require, set_uniforms
+from ...gl import clear, read_back, require, set_uniforms
 from ...scene import Scene
 from ..contract import View
 
@@ -68,7 +68,7 @@ class ReflectionBuffers:
 
     def mask(self) -> np.ndarray:
         """(H, W) bool, row 0 at the bottom: the pixels that mirror."""
-        texels = np.frombuffer(self.geometry.read(), np.uint32).reshape(*self.geometry.size[::-1], 4)
+        texels = np.frombuffer(read_back(self.geometry), np.uint32).reshape(*self.geometry.size[::-1], 4)
         return texels[..., 3] > 0
 
     def release(self) -> None:

@@ -6,7 +6,7 @@ import moderngl
 import numpy as np
 
 from ...drawing import FREE_UNIT, Resident, Visibility, camera_uniforms
-from ...gl import feedback, primitive_counter, program, require, screen, set_uniforms
+from ...gl import feedback, finish, primitive_counter, program, read_back, render, require, screen, set_uniforms, settle
 from .buffers import ReflectionBuffers
 
 _LIST = {"vertex_shader": "reprojection/missing.vert", "geometry_shader": "reprojection/missing.geom"}
@@ -47,9 +47,11 @@ class Gathering:
         """List what is missing of a picture; how many pixels that is."""
         picture.light.use(LISTED_UNIT)
         self._list["lights"], self._list["least"] = LISTED_UNIT, missing.value
+        settle()
         counted = primitive_counter()
         with counted:
             self._points.transform(self._pixels, moderngl.POINTS, vertices=self._size[0] * self._size[1])
+        finish()
         self.count = counted.primitives
         if self.count:
             self._names.write(self._pixels, viewport=(0, 0, self._size[0], self._rows))
@@ -61,7 +63,7 @@ class Gathering:
 
     def listed(self) -> np.ndarray:
         """(N, 2) uint32 columns and rows, from the lower left, of the pixels listed last."""
-        texels = self._pixels.read(_PIXEL_BYTES * self.count) if self.count else b""
+        texels = read_back(self._pixels, size=_PIXEL_BYTES * self.count) if self.count else b""
         return np.frombuffer(texels, np.uint32).reshape(-1, 2)
 
     def fill(self, picture: ReflectionBuffers, shader: moderngl.Program, resident: Resident, seen: Visibility):
@@ -77,6 +79,7 @@ class Gathering:
         self._found.target.use()
         require().viewport = (0, 0, self._size[0], self._rows)
         require().enable_only(moderngl.NOTHING)
+        settle()
         screen(shader).render(vertices=3)
         self._put_back(picture.target)
 
@@ -89,7 +92,8 @@ class Gathering:
         target.use()
         require().viewport = (0, 0, *self._size)
         require().enable_only(moderngl.PROGRAM_POINT_SIZE)
-        self._back.render(moderngl.POINTS, vertices=self.count)
+        settle()
+        render(self._back, moderngl.POINTS, self.count)
 
     def release(self) -> None:
         """Give the memory back."""

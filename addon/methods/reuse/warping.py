@@ -7,7 +7,7 @@ from weakref import WeakKeyDictionary
 import moderngl
 
 from ...drawing import FREE_UNIT, Part, ScreenPass, Visibility, camera_uniforms, world_to_clip
-from ...gl import program, require, sample_counter, set_uniforms
+from ...gl import finish, program, render, require, sample_counter, set_uniforms, settle
 from ...parameters import Parameter
 from ...progress import Progress
 from ..deferred import Clock
@@ -98,6 +98,7 @@ class WarpingMethod(ReprojectingMethod):
             self._take.shader["epsilon"] = self.settings["epsilon"]
             with (counted := sample_counter()):
                 self._take.draw(sample.view.camera, seen, picture.target, offset=sample.offset, blend=False)
+        finish()
         return counted.samples
 
     def release(self) -> None:
@@ -134,8 +135,8 @@ class GridTarget:
         context = require()
         context.viewport = (0, 0, *self._size)
         context.enable_only(moderngl.DEPTH_TEST)
-        if columns * rows:
-            self._cells.render(moderngl.POINTS, vertices=columns * rows)
+        settle()
+        render(self._cells, moderngl.POINTS, columns * rows)
 
     def release(self) -> None:
         """Give the memory back, that of the textures too."""

@@ -10,7 +10,7 @@ from ...baking.reflector_maps import reflector_maps
 from ...baking.reflector_maps_tables import ResidentMaps
 from ...cache import Cache
 from ...drawing import world_box, world_to_clip
-from ...gl import feedback, on_gl_thread, require
+from ...gl import feedback, on_gl_thread, read_back, require
 from ...parameters import Value
 from ...scene import Scene
 from .bundles import SAMPLES
@@ -194,7 +194,7 @@ def reflection_points(
     try:
         nothing.use()
         array.transform(reached, moderngl.POINTS, vertices=len(points))
-        return np.frombuffer(reached.read(), np.float32).reshape(-1, 4)
+        return np.frombuffer(read_back(reached), np.float32).reshape(-1, 4)
     finally:
         for part in (array, vertices, reached, nothing):
             part.release()

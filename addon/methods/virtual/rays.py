@@ -7,7 +7,7 @@ import numpy as np
 
 from ...baking.reflector_maps_tables import UNITS, ResidentMaps
 from ...drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility
-from ...gl import require
+from ...gl import read_back, require
 from ...scene import Camera
 from ..contract import View
 
@@ -63,7 +63,7 @@ class MirroredRays:
 
 def read(texture: moderngl.Texture) -> np.ndarray:
     """(H, W, 4) float32 of origins or directions."""
-    return np.frombuffer(texture.read(), np.float32).reshape(texture.height, texture.width, 4)
+    return np.frombuffer(read_back(texture), np.float32).reshape(texture.height, texture.width, 4)
 
 
 def eye_of(camera: Camera) -> tuple[float, float, float, float]:

@@ -7,7 +7,7 @@ import numpy as np
 
 from ...baking.reflector_maps_tables import ResidentMaps
 from ...drawing import world_to_clip
-from ...gl import DataTexture, feedback, require
+from ...gl import DataTexture, feedback, read_back, require
 from ..contract import View
 from .bundles import Bundle, Run
 from .cells import Forest, Refined, refined
@@ -62,7 +62,7 @@ class Refining:
         try:
             self._nothing.use()
             array.transform(images, moderngl.POINTS, vertices=len(rows))
-            return np.frombuffer(images.read(), np.float32).reshape(-1, 4)
+            return np.frombuffer(read_back(images), np.float32).reshape(-1, 4)
         finally:
             for part in (array, vertices, images):
                 part.release()
