@@ -6,7 +6,8 @@ import os
 import tempfile
 from collections.abc import Iterator
 from contextlib import contextmanager
-from dataclasses import asdict, dataclass, field, fields, is_dataclass
+from dataclasses import asdict, dataclass, field, fields, is_dataclass, replace
+from functools import cached_property
 from pathlib import Path
 from types import NoneType
 from typing import Any, get_args, get_origin, get_type_hints
@@ -111,6 +112,11 @@ class Result:
     reuse: Reused | None = None
     against: str | None = None
 
+    @cached_property
+    def line(self) -> str:
+        """It as JSON, without a line break; made once, for it is written again after each frame that follows."""
+        return json.dumps(_finite(asdict(self)), allow_nan=False)
+
 
 @dataclass(frozen=True)
 class Skipped:
@@ -156,9 +162,12 @@ class Results:
     def save(self, directory: Path) -> Path:
         """Write results.json into `directory`, whole or not at all; raises `MachineError` for a full disk."""
         path = Path(directory) / FILE_NAME
+        content = _finite({"schema": SCHEMA, **asdict(replace(self, results=[]))})
+        del content["results"]
+        rest = json.dumps(content, indent=1, allow_nan=False).removesuffix("\n}")
+        rows = ",\n  ".join(result.line for result in self.results)
         with atomically(path) as temporary:
-            content = _finite({"schema": SCHEMA, **asdict(self)})
-            temporary.write_text(json.dumps(content, indent=1, allow_nan=False) + "\n", encoding="utf-8")
+            temporary.write_text(f'{rest},\n "results": [\n  {rows}\n ]\n}}\n', encoding="utf-8")
         return path
 
     @classmethod

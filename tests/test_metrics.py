@@ -1,6 +1,7 @@
 """Metrics against closed forms, against the libraries' own answers, and against what must hold for any picture."""
 
 import math
+import time
 
 import flip_evaluator
 import numpy as np
@@ -272,3 +273,13 @@ def test_magma_is_the_evaluators_map_and_can_be_read_back():
     colors = flip_evaluator.evaluate(reference, test, "LDR", applyMagma=True)[0]
     assert np.abs(magma(values) / 255.0 - colors).max() < 5 / 255
     assert len(np.unique(MAGMA, axis=0)) == 256
+
+
+def test_metrics_stay_on_one_thread():
+    """BLAS spreads large products over threads, which wait for each other where others work too: 30 times as long."""
+    test, reference = random_picture(13, 400, 600), random_picture(14, 400, 600)
+    error_maps(test, reference, hdr=False)
+    here, everywhere = time.thread_time(), time.process_time()
+    error_maps(test, reference, hdr=False)
+    here, everywhere = time.thread_time() - here, time.process_time() - everywhere
+    assert everywhere < 1.2 * here

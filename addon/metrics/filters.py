@@ -1,32 +1,26 @@
 """Filters of pictures along their rows and columns, as products with narrow band matrices: BLAS is fast at those."""
 
 import numpy as np
+from numpy.lib.stride_tricks import sliding_window_view
 
-_BLOCK = 32  # rows or columns at a time; wider bands multiply more zeros, narrower ones read more twice
+_ALONG, _ASIDE = 32, 128
+"""Pixels of a block along a filter and aside of it. OpenBLAS spreads larger products over threads, which wait for each
+other for longer than they work wherever the processor has something else to do."""
 
 
 def across(maps: np.ndarray, kernel: np.ndarray, mode: str = "edge") -> np.ndarray:
     """float32 (..., H, W): each row of `maps` correlated with `kernel` (2 r + 1); pictures go on as of `np.pad`."""
-    width, radius = maps.shape[-1], len(kernel) // 2
-    padded = np.pad(maps, [(0, 0)] * (maps.ndim - 1) + [(radius, radius)], mode)
-    found, band = np.empty_like(maps), _band(kernel).T
-    for start in range(0, width, _BLOCK):
-        count = min(_BLOCK, width - start)
-        found[..., start : start + count] = (
-            padded[..., start : start + count + 2 * radius] @ band[: count + 2 * radius, :count]
-        )
+    radius = len(kernel) // 2
+    windows, found, blocks = _blocks(maps, (_ASIDE, _ALONG), (0, radius), mode)
+    np.matmul(windows, _band(kernel).T, out=blocks)
     return found
 
 
 def down(maps: np.ndarray, kernel: np.ndarray, mode: str = "edge") -> np.ndarray:
     """float32 (..., H, W): the same along each column."""
-    height, radius = maps.shape[-2], len(kernel) // 2
-    padded = np.pad(maps, [(0, 0)] * (maps.ndim - 2) + [(radius, radius), (0, 0)], mode)
-    found, band = np.empty_like(maps), _band(kernel)
-    for start in range(0, height, _BLOCK):
-        count = min(_BLOCK, height - start)
-        rows = padded[..., start : start + count + 2 * radius, :]
-        np.matmul(band[:count, : count + 2 * radius], rows, out=found[..., start : start + count, :])
+    radius = len(kernel) // 2
+    windows, found, blocks = _blocks(maps, (_ALONG, _ASIDE), (radius, 0), mode)
+    np.matmul(_band(kernel), windows, out=blocks)
     return found
 
 
@@ -35,9 +29,22 @@ def blurred(maps: np.ndarray, kernel: np.ndarray, mode: str = "edge") -> np.ndar
     return down(across(maps, kernel, mode), kernel, mode)
 
 
+def _blocks(maps: np.ndarray, sides: tuple, reach: tuple, mode: str) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Views of `maps` as blocks of those sides and what they reach around them; and the result, whole and as blocks."""
+    shape, whole = maps.shape[-2:], [(0, 0)] * (maps.ndim - 2)
+    missing = [-length % side for length, side in zip(shape, sides, strict=True)]
+    padded = np.pad(np.pad(maps, whole + [(r, r) for r in reach], mode), whole + [(0, more) for more in missing])
+    grown = [side + 2 * r for side, r in zip(sides, reach, strict=True)]
+    windows = sliding_window_view(padded, grown, axis=(-2, -1))[..., :: sides[0], :: sides[1], :, :]
+    counts = [(length + more) // side for length, more, side in zip(shape, missing, sides, strict=True)]
+    found = np.empty((*maps.shape[:-2], counts[0], sides[0], counts[1], sides[1]), np.float32)
+    joined = found.reshape(*maps.shape[:-2], counts[0] * sides[0], counts[1] * sides[1])
+    return windows, joined[..., : shape[0], : shape[1]], found.swapaxes(-3, -2)
+
+
 def _band(kernel: np.ndarray) -> np.ndarray:
-    """float32 (_BLOCK, _BLOCK + 2 r): row i holds the kernel from column i on."""
-    band = np.zeros((_BLOCK, _BLOCK + len(kernel) - 1), np.float32)
-    rows = np.arange(_BLOCK)[:, None]
+    """float32 (_ALONG, _ALONG + 2 r): row i holds the kernel from column i on."""
+    band = np.zeros((_ALONG, _ALONG + len(kernel) - 1), np.float32)
+    rows = np.arange(_ALONG)[:, None]
     band[rows, rows + np.arange(len(kernel))] = kernel
     return band

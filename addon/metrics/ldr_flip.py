@@ -36,16 +36,12 @@ class Seen:
 
 def seen(linear: np.ndarray) -> Seen:
     """What is seen of a picture (3, H, W) float32 of linear light in 0..1."""
-    height, width = linear.shape[1:]
-    flat = np.ascontiguousarray(linear).reshape(3, -1)
-    opponent = (_OPPONENT @ flat).reshape(linear.shape)
     blurs = [
         sum(share * blurred(channel, kernel) for share, kernel in kernels)
-        for channel, kernels in zip(opponent, _KERNELS, strict=True)
+        for channel, kernels in zip(_mixed(_OPPONENT, linear), _KERNELS, strict=True)
     ]
-    shown = np.clip(_FROM_OPPONENT @ np.stack(blurs).reshape(3, -1), 0.0, 1.0)
-    luminance = (_TO_XYZ[1] @ flat).reshape(height, width)
-    return Seen(_adjusted_lab(shown).reshape(linear.shape), *_features(luminance))
+    shown = np.clip(_mixed(_FROM_OPPONENT, np.stack(blurs)), 0.0, 1.0)
+    return Seen(_adjusted_lab(shown), *_features(_mixed(_TO_XYZ[1:2], linear)[0]))
 
 
 def flip(test: Seen, reference: Seen) -> np.ndarray:
@@ -67,12 +63,19 @@ def _features(luminance: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
 
 
 def _adjusted_lab(rgb: np.ndarray) -> np.ndarray:
-    """L*a*b* (3, N) of linear colours (3, N) in 0..1, less colourful where it is dark, as Hunt found."""
-    xyz = _TO_XYZ @ rgb
+    """L*a*b* (3, H, W) of linear colours (3, H, W) in 0..1, less colourful where it is dark, as Hunt found."""
+    xyz = _mixed(_TO_XYZ, rgb)
     bent = 6.0 / 29.0
     x, y, z = np.where(xyz > bent**3, np.cbrt(xyz), xyz * np.float32(1.0 / (3.0 * bent**2)) + np.float32(4.0 / 29.0))
     lightness = 116.0 * y - 16.0
     return np.stack([lightness, 5.0 * lightness * (x - y), 2.0 * lightness * (y - z)])
+
+
+def _mixed(matrix: np.ndarray, planes: np.ndarray) -> np.ndarray:
+    """float32 (N, H, W): `matrix` (N, 3) times the colours (3, H, W), a row of pixels at a time (see filters.py)."""
+    found = np.empty((len(matrix), *planes.shape[1:]), np.float32)
+    np.matmul(matrix, planes.swapaxes(0, 1), out=found.swapaxes(0, 1))
+    return found
 
 
 def _apart(one: np.ndarray, other: np.ndarray) -> np.ndarray:
@@ -124,6 +127,6 @@ _FROM_OPPONENT = np.linalg.inv(_OPPONENT.astype(np.float64)).astype(np.float32)
 _KERNELS = [_kernels(gaussians) for gaussians in _SENSITIVITY]
 _DETECTORS = _detectors()
 
-_GREEN, _BLUE = _adjusted_lab(np.eye(3, dtype=np.float32)[:, 1:]).T
+_GREEN, _BLUE = _adjusted_lab(np.eye(3, dtype=np.float32)[:, None, 1:])[:, 0].T
 _MOST_COLOR = float(_apart(_GREEN, _BLUE) ** _COLOR_POWER)
 """The largest difference of two colours, compressed: green and blue."""
