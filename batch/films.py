@@ -1,15 +1,20 @@
 """Films of methods over many frames, beside what they are held against."""
 
-from collections.abc import Iterator, Sequence
-from itertools import chain
+from collections.abc import Mapping, Sequence
+from contextlib import ExitStack
+from itertools import groupby
 from pathlib import Path
+from typing import TYPE_CHECKING
 
 import numpy as np
 
 from ..addon.metrics import PictureError, to_bytes
-from ..addon.progress import Progress, part_of, silent
+from ..addon.progress import Progress, silent
 from .pictures import film_stem, load_mask, load_picture, reddened, save_bytes
 from .results import Result
+
+if TYPE_CHECKING:
+    from .preview.video import Video
 
 RATE = 30
 """Pictures a second."""
@@ -26,21 +31,29 @@ def make(results: Sequence[Result], directory: Path, progress: Progress = silent
     """
     strips = {method: _strip(results, method) for method in dict.fromkeys(result.method for result in results)}
     strips = [strip for strip in strips.values() if len(strip) > 1]
-    edges = np.linspace(0.0, 1.0, len(strips) + 1)
-    return [
-        _film(strip, directory, part_of(progress, float(start), float(end)))
-        for strip, start, end in zip(strips, edges[:-1], edges[1:], strict=True)
-    ]
+    rows = sorted((result for strip in strips for result in strip), key=_frame)
+    with ExitStack() as stack:
+        films = {strip[0].method: stack.enter_context(_film(strip[0], directory)) for strip in strips}
+        done = 0
+        for frame, group in groupby(rows, _frame):
+            progress(f"frame {frame}", done / len(rows))
+            done += _add(list(group), films, directory)
+    return [film.path for film in films.values()]
 
 
-def _film(strip: list[Result], directory: Path, progress: Progress) -> Path:
-    def pictures() -> Iterator[np.ndarray]:
-        for number, result in enumerate(strip):
-            progress(result.method, number / len(strip))
-            yield _joined(result, directory)
+def _add(results: list[Result], films: Mapping[str, "Video | _Folder"], directory: Path) -> int:
+    """Add a frame to the films of all methods, what they are held against read once; how many pictures there were."""
+    references: dict[str, np.ndarray] = {}
+    for result in results:
+        path = result.images.reference
+        if path and path not in references:
+            references[path] = _shown(result, directory, path)
+        films[result.method].add(_joined(result, directory, references.get(path)))
+    return len(results)
 
-    first = strip[0]
-    return _write(directory / film_stem(first.scene, first.lighting, first.method), pictures())
+
+def _frame(result: Result) -> int:
+    return result.frame
 
 
 def _strip(results: Sequence[Result], method: str) -> list[Result]:
@@ -53,10 +66,10 @@ def _kind(result: Result) -> tuple:
     return result.width, result.height, result.against, result.reuse is None, result.images.reference is None
 
 
-def _joined(result: Result, directory: Path) -> np.ndarray:
-    """A picture of the film, (H, W, 3) uint8, both sides even."""
+def _joined(result: Result, directory: Path, reference: np.ndarray | None) -> np.ndarray:
+    """A picture of the film, (H, W, 3) uint8, both sides even; `reference` (H, W, 3) uint8 as a screen shows it."""
     shown = _shown(result, directory, result.images.method)
-    parts = [shown] if result.images.reference is None else [_shown(result, directory, result.images.reference), shown]
+    parts = [shown] if reference is None else [reference, shown]
     if result.images.retraced:
         parts.append(retraced_view(result, directory, shown))
     gap = np.full((result.height, _GAP, 3), _GREY, np.uint8)
@@ -67,12 +80,16 @@ def _joined(result: Result, directory: Path) -> np.ndarray:
 
 def _shown(result: Result, directory: Path, path: str) -> np.ndarray:
     """A picture as a screen shows it; grey if it cannot be read, so that the film still keeps time."""
-    size = result.height, result.width, 3
+    blank = _blank(result)
     try:
         picture = to_bytes(load_picture(directory / path))
     except PictureError:
-        return np.full(size, _GREY, np.uint8)
-    return picture if picture.shape == size else np.full(size, _GREY, np.uint8)
+        return blank
+    return picture if picture.shape == blank.shape else blank
+
+
+def _blank(result: Result) -> np.ndarray:
+    return np.full((result.height, result.width, 3), _GREY, np.uint8)
 
 
 def retraced_view(result: Result, directory: Path, shown: np.ndarray) -> np.ndarray:
@@ -84,19 +101,32 @@ def retraced_view(result: Result, directory: Path, shown: np.ndarray) -> np.ndar
     return reddened(shown, mask) if mask.shape == shown.shape[:2] else shown
 
 
-def _write(stem: Path, pictures: Iterator[np.ndarray]) -> Path:
-    """Write a film as an .mp4, or as a folder of PNGs where PyAV is missing, as inside Blender; where it is."""
+def _film(first: Result, directory: Path) -> "Video | _Folder":
+    """A method's film: an .mp4, or a folder of PNGs where PyAV is missing, as inside Blender."""
+    stem = directory / film_stem(first.scene, first.lighting, first.method)
     try:
         from .preview.video import EXTENSION, Video
     except ImportError:
-        for number, picture in enumerate(pictures, start=1):
-            save_bytes(stem / f"{number:04d}.png", picture)
-        return stem
-    path, first = stem.with_name(stem.name + EXTENSION), next(pictures)
-    with Video(path, first.shape[1::-1], RATE) as video:
-        for picture in chain([first], pictures):
-            video.add(picture)
-    return path
+        return _Folder(stem)
+    shape = _joined(first, directory, _blank(first) if first.images.reference else None).shape
+    return Video(stem.with_name(stem.name + EXTENSION), shape[1::-1], RATE)
+
+
+class _Folder:
+    """A film as a folder of numbered pictures."""
+
+    def __init__(self, path: Path) -> None:
+        self.path, self._count = path, 0
+
+    def __enter__(self) -> "_Folder":
+        return self
+
+    def add(self, picture: np.ndarray) -> None:
+        self._count += 1
+        save_bytes(self.path / f"{self._count:04d}.png", picture)
+
+    def __exit__(self, *_) -> None:
+        pass
 
 
 def found(directory: Path, result: Result) -> str | None:

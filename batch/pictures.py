@@ -27,7 +27,8 @@ def save_png(path: Path, linear: np.ndarray, caption: str = "") -> None:
 
 def save_bytes(path: Path, colors: np.ndarray, caption: str = "") -> None:
     """Write `colors` (H, W, 3) uint8, sRGB-encoded, as PNG or JPEG by the ending of `path`, with a caption in it."""
-    attributes = {"oiio:ColorSpace": "sRGB", "Compression": "jpeg:82"}
+    # Compressing a PNG more takes twice the time and saves a tenth of it.
+    attributes = {"oiio:ColorSpace": "sRGB", "Compression": "jpeg:82", "png:compressionLevel": 3}
     if caption:
         attributes["ImageDescription"] = caption
     _write(path, np.ascontiguousarray(colors), "uint8", attributes)
@@ -121,7 +122,7 @@ def reddened(shown: np.ndarray, mask: np.ndarray) -> np.ndarray:
     return np.round(picture).astype(np.uint8)
 
 
-def _write(path: Path, pixels: np.ndarray, kind: str, attributes: Mapping[str, str]) -> None:
+def _write(path: Path, pixels: np.ndarray, kind: str, attributes: Mapping[str, str | int]) -> None:
     height, width, channels = pixels.shape
     spec = oiio.ImageSpec(width, height, channels, kind)
     for name, value in attributes.items():

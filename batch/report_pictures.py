@@ -92,4 +92,4 @@ def _pack(differences: np.ndarray) -> str:
 
 
 def _deflated(values: np.ndarray) -> str:
-    return b64encode(zlib.compress(values.tobytes(), 9)).decode()
+    return b64encode(zlib.compress(values.tobytes(), 6)).decode()

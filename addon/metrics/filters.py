@@ -33,7 +33,9 @@ def _blocks(maps: np.ndarray, sides: tuple, reach: tuple, mode: str) -> tuple[np
     """Views of `maps` as blocks of those sides and what they reach around them; and the result, whole and as blocks."""
     shape, whole = maps.shape[-2:], [(0, 0)] * (maps.ndim - 2)
     missing = [-length % side for length, side in zip(shape, sides, strict=True)]
-    padded = np.pad(np.pad(maps, whole + [(r, r) for r in reach], mode), whole + [(0, more) for more in missing])
+    padded = np.pad(maps, whole + [(r, r) for r in reach], mode)
+    if any(missing):
+        padded = np.pad(padded, whole + [(0, more) for more in missing])
     grown = [side + 2 * r for side, r in zip(sides, reach, strict=True)]
     windows = sliding_window_view(padded, grown, axis=(-2, -1))[..., :: sides[0], :: sides[1], :, :]
     counts = [(length + more) // side for length, more, side in zip(shape, missing, sides, strict=True)]

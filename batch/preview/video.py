@@ -23,18 +23,18 @@ class Video:
         """`size` is width and height, both even; `rate` pictures a second. Raises `UsageError` for another ending."""
         if path.suffix.lower() != EXTENSION:
             raise UsageError(f"{path.name}: a film must end in {EXTENSION}")
-        self._path, self._size, self._rate = path, size, rate
+        self.path, self._size, self._rate = path, size, rate
         self._stack = ExitStack()
 
     def __enter__(self) -> "Video":
         with ExitStack() as stack:
-            temporary = stack.enter_context(atomically(self._path))
+            temporary = stack.enter_context(atomically(self.path))
             try:
                 self._file = av.open(str(temporary), "w", format="mp4", options={"movflags": "faststart"})
                 stack.callback(self._file.close)
                 self._stream = self._file.add_stream("libx264", rate=self._rate, options={"crf": _QUALITY})
             except (av.FFmpegError, ValueError) as error:
-                raise MachineError(f"cannot write {self._path}: {error}") from None
+                raise MachineError(f"cannot write {self.path}: {error}") from None
             codec = self._stream.codec_context
             codec.width, codec.height = self._size
             codec.pix_fmt, codec.time_base = "yuv420p", Fraction(1, self._rate)
