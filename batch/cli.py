@@ -23,10 +23,13 @@ from .options import PEERS, parse_against, parse_frames, parse_names, parse_reso
 from .package import package as build_package
 from .package_wheels import PLATFORMS, PYTHONS
 from .progress import Terminal, blender_on_stderr
+from .sampling import MOST, NOISE
 from .sources import locate
 
 DEMONSTRATION = ("mirror-ball", "hollow-box", "genus3")
 """What `compare` shows when no scene is named: three that end within four minutes on two cores."""
+
+_MOST = ", ".join(f"{most} {lighting}" for lighting, most in MOST.items())
 
 app = typer.Typer(
     help="Render reflections in real time and measure how far each technique is from Cycles. "
@@ -66,7 +69,8 @@ def compare(
         int | None,
         typer.Option(
             min=1,
-            help="Cycles' samples a pixel, the methods get a quarter; 64 unlit, 256 cycles, 128 direct. "
+            help=f"Cycles' samples a pixel, the methods get half as many, up to 256. Unless given, Cycles goes on "
+            f"until its own noise over the reflectors is FLIP {NOISE} or less, or to {_MOST}. "
             "With --against the methods' own; 1.",
         ),
     ] = None,
@@ -94,7 +98,7 @@ def compare(
         sources=tuple(locate(scene) for scene in dict.fromkeys(scenes or DEMONSTRATION)),
         settings=parse_settings(settings or (), names),
         lighting=lighting,
-        samples=samples or (1 if against else jobs.SAMPLES[lighting]),
+        samples=samples or (1 if against else None),
         out=out,
         resolution=parse_resolution(resolution) if resolution is not None else None,
         frames=parse_frames(frames) if frames is not None else None,
@@ -146,7 +150,7 @@ def plates(
         Lighting, typer.Option(help="cycles: diffuse light baked by Cycles; direct: lamps with shadows.")
     ] = Lighting.CYCLES,
     resolution: Size = None,
-    samples: Annotated[int, typer.Option(min=2, help="Cycles' samples a pixel; the plates get a quarter.")] = 64,
+    samples: Annotated[int, typer.Option(min=2, help="Cycles' samples a pixel; the plates get half as many.")] = 64,
     reference: Annotated[bool, typer.Option("--reference", help="Show Cycles' pictures beside the plates.")] = False,
 ) -> int:
     """Draw the plates of the paper on glossy planar reflections, with ours beside them."""

@@ -76,6 +76,11 @@ class Comparison:
         known = [result.noise for result in self.results if result.noise]
         return getattr(known[0], scope).flip if known else None
 
+    @property
+    def samples(self) -> int | None:
+        """Samples a pixel of Cycles' picture, None where it is not the reference."""
+        return self.first.samples.reference
+
 
 def compared(results: list[Result]) -> list[Comparison]:
     """The views, those first where even the best method is far from the truth."""

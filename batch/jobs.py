@@ -9,23 +9,24 @@ import numpy as np
 from ..addon.cache import Cache
 from ..addon.errors import CatoptricError, SceneError
 from ..addon.methods.registry import METHODS
-from ..addon.metrics import PictureError
+from ..addon.metrics import Enough, PictureError
 from ..addon.parameters import Value
 from ..addon.progress import Progress, silent
 from ..addon.scene import Lighting
 from . import films, plates, searches
 from .footage import Footage
-from .judging import Shot, supersampling
+from .judging import Shot
 from .machine import check_size, describe, own_version
 from .pictures import load_picture, plates_folder
 from .progress import Bar, Terminal
 from .report import write_report
 from .results import Result, Results, Skipped, Times
 from .running import Running
+from .sampling import LIGHT, enough, supersampling
 from .sources import Source
 
-SAMPLES = {Lighting.UNLIT: 64, Lighting.CYCLES: 256, Lighting.DIRECT: 128}
-"""Cycles' samples a pixel: without light, only edges are noisy."""
+AUTO = "auto"
+"""What a row's settings say of samples that were not asked for."""
 
 _LONGEST_SIDE = 768
 _PLATES_SIDE = 3  # samples along a side of a pixel, for pictures that are only looked at
@@ -43,6 +44,8 @@ HDR_FRAMES = 6
 class Job:
     """What one `compare` is asked for. None for `resolution` and `frames`: as each scene has it.
 
+    `samples` a pixel are the reference's; None: until its noise is low, in the first of several frames.
+
     `settings` holds the value of every parameter, by method, in the order of the rows. `against` is one of these
     methods, whose picture is then the reference in place of Cycles'. `videos`: methods in several frames are filmed.
     """
@@ -50,7 +53,7 @@ class Job:
     sources: tuple[Source, ...]
     settings: Mapping[str, Mapping[str, Value]]
     lighting: Lighting
-    samples: int
+    samples: int | None
     out: Path
     resolution: tuple[int, int] | None = None
     frames: tuple[int, ...] | None = None
@@ -107,7 +110,7 @@ class _Comparison:
 
     def _compare(self, source: Source) -> None:
         bar = self.terminal.bar(source.name)
-        footage = Footage(source, self.job.lighting, self.cache, self.job.samples)
+        footage = Footage(source, self.job.lighting, self.cache, self.job.samples or LIGHT)
         try:
             frames = self._frames(footage, bar)
             if len(frames) == 1:
@@ -199,16 +202,18 @@ class _Comparison:
         for warning in scene.warnings:
             self._warn(f"{footage.source.name}: {warning}")
         size = self.job.resolution or fitted(scene.resolution)
-        return Shot(
+        shot = Shot(
             footage.source.name,
             footage.light(scene, bar.step("light", 0.05, _LIT)),
             self.job.lighting,
             size,
             self.job.out,
-            supersampling(self.job.samples, self.job.against),
             against=self.job.against,
             one_of_many=shooting.count > HDR_FRAMES,
         )
+        if self.job.samples:
+            shot.side = supersampling(self.job.samples, self.job.against)
+        return shot
 
     def _judge(self, source: Source, shot: Shot, missing: list[str], bar: Bar) -> float:
         """Have the shot's reference ready, if it is not about to be drawn by a method; how far the bar is then."""
@@ -227,12 +232,19 @@ class _Comparison:
             shot.scene,
             self.job.lighting,
             *shot.size,
-            samples=self.job.samples,
+            samples=self._samples(source, shot),
             cache=self.cache,
             progress=bar.step("reference", _LIT, _JUDGED),
         )
-        shot.judge_by(reference.color, reference.half)
+        shot.judge_by(reference.color, reference.half, reference.samples)
         return _JUDGED
+
+    def _samples(self, source: Source, shot: Shot) -> int | Enough:
+        """As many as asked for, as the scene's other rows have them, or as it takes."""
+        if self.job.samples:
+            return self.job.samples
+        taken = (row.samples.reference for row in self.results.results if self._stands(row, source))
+        return next(filter(None, taken), None) or enough(shot.scene, self.job.lighting, shot.size)
 
     def _judge_by_kept(self, shot: Shot) -> None:
         """Take the picture that an earlier run drew with the method that is the reference."""
@@ -314,21 +326,23 @@ class _Comparison:
         return Skipped(shot.name, method, reason, error, shot.scene.frame, str(self.job.lighting))
 
     def _settings(self, name: str) -> dict[str, Value]:
-        return {**self.job.settings.get(name, {}), "samples": self.job.samples}
+        return {**self.job.settings.get(name, {}), "samples": self.job.samples or AUTO}
 
     def _is_done(self, source: Source, frame: int, name: str) -> bool:
         """Whether an earlier run has this row, with these settings, from the file as it still is."""
-        row = self.results.find(
-            scene=source.name,
-            frame=frame,
-            method=name,
-            lighting=str(self.job.lighting),
-            settings=self._settings(name),
-        )
-        if row is None or self.job.resolution not in (None, (row.width, row.height)):
+        row = self.results.find(scene=source.name, frame=frame, method=name, settings=self._settings(name))
+        if row is None or not self._stands(row, source):
             return False
         judged = name != self.job.against and (bool(self.job.against) or source.needs_blender)
-        if row.against != (self.job.against if judged else None) or judged != (row.over_frame.flip is not None):
+        return row.against == (self.job.against if judged else None) and judged == (row.over_frame.flip is not None)
+
+    def _stands(self, row: Result, source: Source) -> bool:
+        """Whether a row is of this light, size and number of samples, and of the file as it still is."""
+        if (row.scene, row.lighting) != (source.name, str(self.job.lighting)):
+            return False
+        if self.job.resolution not in (None, (row.width, row.height)):
+            return False
+        if row.settings.get("samples") != (self.job.samples or AUTO):
             return False
         pictures = [self.job.out / row.images.method]
         if row.over_frame.flip is not None:

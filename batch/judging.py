@@ -8,36 +8,27 @@ from pathlib import Path
 import numpy as np
 
 from ..addon.methods.contract import Frame, Method, Reuse, View
+from ..addon.methods.registry import METHODS
 from ..addon.metrics import Figures, Picture, error_maps, exposures_of, noise_maps
 from ..addon.parameters import Value
 from ..addon.progress import Progress, silent
 from ..addon.scene import Lighting, Scene
 from .pictures import image_paths, retraced_path, save_exr, save_images, save_mask
-from .results import Images, Noise, Result, Reused, Times
+from .results import Images, Noise, Result, Reused, Samples, Times
+from .sampling import WITHOUT_REFERENCE, supersampling
 
-_LEAST_SIDE, _MOST_SIDE = 2, 16
 _WARMING = 0.0, 1e-3, 2e-3  # metres to the side
-
-
-def supersampling(samples: int, against: str | None = None) -> int:
-    """Samples along a side of a pixel, in a box, beside a reference of `samples` a pixel: a quarter as many in all.
-
-    More of one side and more of the other: a bright speck in a curved mirror that few samples miss
-    would otherwise be laid at the method's door. Where a method is the reference, `against`, all draw alike.
-    """
-    if against:
-        return min(max(1, round(samples**0.5)), _MOST_SIDE)
-    return min(max(_LEAST_SIDE, round(samples**0.5 / 2)), _MOST_SIDE)
 
 
 @dataclass(eq=False)
 class Shot:
     """A scene under one light at one size, and the folder its pictures go to.
 
-    `side` squared are the methods' samples a pixel. `reference` (H, W, 3) float32 and `half`, the same
-    made of one half of its samples, are None where there is nothing to judge by; the half also where a method,
-    `against`, drew the reference. `mask` (H, W) bool, the pixels that show reflectors, comes with the first frame
-    that a method renders. `one_of_many`: HDR-FLIP is left out, and the methods' pictures are kept in 16 bits a channel.
+    `side` squared are the methods' samples a pixel. `reference` (H, W, 3) float32, `half`, the same
+    made of one half of its samples, and how many these were are None where there is nothing to judge by; the last two
+    also where a method, `against`, drew the reference. `mask` (H, W) bool, the pixels that show reflectors, comes with
+    the first frame that a method renders. `one_of_many`: HDR-FLIP is left out, and the methods' pictures are kept in
+    16 bits a channel.
     """
 
     name: str
@@ -45,9 +36,10 @@ class Shot:
     lighting: Lighting
     size: tuple[int, int]
     out: Path
-    side: int = 4
+    side: int = supersampling(WITHOUT_REFERENCE)
     reference: np.ndarray | None = None
     half: np.ndarray | None = None
+    samples: int | None = None
     mask: np.ndarray | None = None
     against: str | None = None
     one_of_many: bool = False
@@ -79,9 +71,10 @@ class Shot:
         """Where the pictures of a method go."""
         return image_paths(self.name, self.scene.frame, str(self.lighting), method, self.against)
 
-    def judge_by(self, reference: np.ndarray, half: np.ndarray) -> None:
-        """Take the reference, and save it in place of an older one."""
-        self.reference, self.half = reference, half
+    def judge_by(self, reference: np.ndarray, half: np.ndarray, samples: int) -> None:
+        """Take the reference, which the methods' samples follow, and save it in place of an older one."""
+        self.reference, self.half, self.samples = reference, half, samples
+        self.side = supersampling(samples)
         save_exr(self.out / self.images("").reference, reference, self._metadata("cycles"))
 
     def judges(self, method: str) -> bool:
@@ -127,6 +120,7 @@ class Shot:
             warnings=warnings,
             reuse=None if reuse is None else Reused(float(reuse.share), bool(reuse.is_key)),
             against=self.against if judged else None,
+            samples=Samples(self.samples, self.side**2 if method in METHODS else None),
         )
 
     @cached_property

@@ -18,8 +18,8 @@ from .sources import locate
 def compare(
     terminal: Terminal, scene: str, out: str, lighting: str, settings: Mapping[str, Mapping[str, Value]], samples: int
 ) -> int:
-    """Measure methods, with their `settings`, against Cycles."""
-    job = jobs.Job((locate(scene),), settings, Lighting(lighting), samples, Path(out))
+    """Measure methods, with their `settings`, against Cycles; 0 `samples`: as many as it takes."""
+    job = jobs.Job((locate(scene),), settings, Lighting(lighting), samples or None, Path(out))
     return 0 if jobs.run(job, terminal).results else WRONG
 
 
@@ -33,8 +33,12 @@ def reference(
     width: int,
     height: int,
 ) -> int:
-    """Write Cycles' picture of what `camera` sees, the arguments of a `Camera`, to the EXR file `out`."""
-    tasks.reference(locate(scene), _camera(camera), (width, height), Lighting(lighting), samples, Path(out), terminal)
+    """Write Cycles' picture of what `camera` sees, the arguments of a `Camera`, to the EXR file `out`.
+
+    0 `samples`: as many as it takes.
+    """
+    size = width, height
+    tasks.reference(locate(scene), _camera(camera), size, Lighting(lighting), samples or None, Path(out), terminal)
     return 0
 
 

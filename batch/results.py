@@ -90,10 +90,19 @@ class Reused:
 
 
 @dataclass(frozen=True)
+class Samples:
+    """Samples a pixel of Cycles' picture, None where it is not the reference, and of the method's own, if known."""
+
+    reference: int | None = None
+    method: int | None = None
+
+
+@dataclass(frozen=True)
 class Result:
     """One method in one frame of one scene. Without a reference all figures but `pixels` are None.
 
-    `against` names the method whose picture was the reference; None where Cycles' was, or none.
+    `settings` are what was asked for, `samples` what was taken. `against` names the method whose picture was the
+    reference; None where Cycles' was, or none.
     """
 
     scene: str
@@ -111,6 +120,7 @@ class Result:
     warnings: list[str] = field(default_factory=list)
     reuse: Reused | None = None
     against: str | None = None
+    samples: Samples = Samples()
 
     @cached_property
     def line(self) -> str:

@@ -21,11 +21,11 @@ from ..addon.scene.archive import EXTENSION, save
 from . import plates
 from .footage import lit, require_reflectors
 from .jobs import fitted
-from .judging import supersampling
 from .machine import check_size
 from .options import parse_names
 from .pictures import save_exr, save_png
 from .progress import Bar, Terminal
+from .sampling import enough, supersampling
 from .sources import Source
 
 BAKE = (RESOLUTION, LAYERS, *MAPS)
@@ -97,17 +97,21 @@ def reference(
     camera: Camera,
     size: tuple[int, int],
     lighting: Lighting,
-    samples: int,
+    samples: int | None,
     out: Path,
     terminal: Terminal,
 ) -> None:
-    """Write Cycles' picture of what another camera sees of a .blend to the EXR file `out`."""
+    """Write Cycles' picture of what another camera sees of a .blend to the EXR file `out`.
+
+    Without `samples` it takes as many as make its noise low.
+    """
     from ..addon.blender.reference import render_reference
     from ..addon.blender.view_camera import seen_by
 
     bar = terminal.bar(source.name)
     with seen_by(source.bpy_scene, camera, *size):
         scene = source.scene(None, bar.step("scene", 0.0, 0.1))
+        samples = samples or enough(scene, lighting, size)
         shown = render_reference(
             source.bpy_scene, scene, lighting, *size, samples, Cache(), bar.step("reference", 0.1, 1.0)
         )

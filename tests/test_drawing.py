@@ -7,7 +7,7 @@ import pytest
 import trimesh
 from catoptric.addon import gl
 from catoptric.addon.baking.environment import EnvironmentCubes
-from catoptric.addon.drawing import Canvas, Resident
+from catoptric.addon.drawing import Canvas, Resident, reflectors_seen
 from catoptric.addon.methods.contract import View
 from catoptric.addon.methods.environment_map import EnvironmentMap
 from catoptric.addon.methods.layered_depth import LayeredDepth
@@ -227,3 +227,17 @@ def test_a_second_canvas_is_made_without_an_error():
 
     gl.call(lambda: gl.require().error)  # what was before
     assert gl.call(made) == "GL_NO_ERROR"
+
+
+# Reflectors
+
+
+def test_reflectors_are_where_the_camera_sees_them():
+    """A mirror of half the picture's width, whose right half stands behind a sheet; row 0 is the top."""
+    sheets = [(trimesh.creation.box((1.0, 0.5, 0.0)), True), (trimesh.creation.box((0.5, 0.5, 0.0)), False)]
+    places = placed((0.0, 0.25, 0.0)), placed((0.25, 0.25, 1.0))
+    parts = [(mesh_of(shape), place, mirrors) for (shape, mirrors), place in zip(sheets, places, strict=True)]
+    scene = scene_of(parts, Camera(placed((0, 0, 3)), ortho_scale=2.0))
+    expected = np.zeros((32, 32), bool)
+    expected[8:16, 8:16] = True
+    assert np.array_equal(reflectors_seen(scene, 32, 32), expected)

@@ -11,6 +11,7 @@ from catoptric.addon.blender.eevee import render_eevee
 from catoptric.addon.blender.reference import render_reference
 from catoptric.addon.cache import Cache
 from catoptric.addon.errors import SceneError, UsageError
+from catoptric.addon.metrics import Enough, noise_maps
 from catoptric.addon.progress import silent
 from catoptric.addon.scene import BLACK, ColorSource, Fresnel, Image, Lighting, Material
 from catoptric.tests import blender_stage as stage
@@ -260,6 +261,80 @@ def test_the_cache_answers_until_the_content_changes(mirror_stage, tmp_path, mon
     render_reference(scene, extracted, Lighting.CYCLES, 16, 8, 4, cache)
     render_reference(scene, extracted, Lighting.UNLIT, 8, 16, 4, cache)
     assert len(calls) == 6
+
+
+@pytest.fixture
+def pieces(monkeypatch):
+    """The pieces that Cycles renders from here on: (seed, first sample, samples)."""
+    rendered, take = [], module.take_picture
+
+    def taking(bpy_scene):
+        cycles = bpy_scene.cycles
+        rendered.append((cycles.seed, cycles.sample_offset, cycles.sample_subset_length))
+        return take(bpy_scene)
+
+    monkeypatch.setattr(module, "take_picture", taking)
+    return rendered
+
+
+def test_a_kept_picture_grows_into_what_it_would_have_been_at_once(mirror_stage, tmp_path, pieces):
+    scene, materials = mirror_stage
+    extracted = stage.as_scene(scene, materials, {"ball"})
+    at_once = render_reference(scene, extracted, Lighting.CYCLES, 24, 16, 100)
+    cache = Cache(tmp_path)
+    for few in (32, 40):  # a half of 20 samples ends amid a piece: nothing can go on from it
+        render_reference(scene, extracted, Lighting.CYCLES, 24, 16, few, cache)
+    pieces.clear()
+    grown = render_reference(scene, extracted, Lighting.CYCLES, 24, 16, 100, cache)
+    assert pieces == [(seed, *piece) for seed in (0, 1) for piece in ((16, 16), (32, 16), (48, 2))]
+    assert grown.samples == at_once.samples == 100
+    assert np.array_equal(grown.color, at_once.color)
+    assert np.array_equal(grown.half, at_once.half)
+    pieces.clear()
+    fewer = render_reference(scene, extracted, Lighting.CYCLES, 24, 16, 64, cache)
+    assert (0, 0, 16) not in pieces
+    assert not np.array_equal(fewer.color, grown.color)
+
+
+def test_samples_go_on_until_the_noise_is_low(mirror_stage, tmp_path, pieces):
+    """What the half's FLIP says is held against the noise as the report has it, over the same pixels."""
+    scene, materials = mirror_stage
+    extracted = stage.as_scene(scene, materials, {"ball"})
+    ball = np.zeros((32, 48), bool)
+    ball[8:28, 10:26] = True
+
+    def noise(picture):
+        return noise_maps(picture.half, 2 * picture.color - picture.half, hdr=False).over(ball).flip
+
+    def taken(bound, most=512, cache=None):
+        return render_reference(scene, extracted, Lighting.UNLIT, 48, 32, Enough(ball, bound, most), cache)
+
+    first = taken(1.0)
+    assert first.samples == 32
+    bound = 0.6 * noise(first)
+    cache = Cache(tmp_path)
+    enough = taken(bound, cache=cache)
+    assert 32 < enough.samples < 512
+    assert noise(enough) <= bound
+    exactly = render_reference(scene, extracted, Lighting.UNLIT, 48, 32, enough.samples)
+    assert np.array_equal(enough.color, exactly.color)
+    pieces.clear()
+    assert taken(bound, cache=cache).samples == enough.samples
+    assert not pieces
+    assert taken(1e-9, most=90).samples == 90
+    nowhere = Enough(np.zeros_like(ball), noise(first), 512)
+    assert render_reference(scene, extracted, Lighting.UNLIT, 48, 32, nowhere).samples <= enough.samples
+
+
+def test_progress_of_unknown_length_never_goes_back(mirror_stage):
+    scene, materials = mirror_stage
+    told = []
+    few = Enough(np.ones((16, 24), bool), 1e-9, 128)
+    extracted = stage.as_scene(scene, materials, {"ball"})
+    render_reference(scene, extracted, Lighting.UNLIT, 24, 16, few, progress=lambda _, done: told.append(done))
+    assert told == sorted(told)
+    assert told[0] == 0.0
+    assert told[-1] == 1.0
 
 
 def test_bad_input_is_one_line(mirror_stage):

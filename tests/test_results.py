@@ -11,7 +11,7 @@ from catoptric.addon.metrics import Figures, PictureError, to_bytes
 from catoptric.addon.scene import Lighting
 from catoptric.batch.judging import Shot
 from catoptric.batch.pictures import image_paths, load_picture, save_exr, save_png
-from catoptric.batch.results import Results, ResultsError, Times, atomically
+from catoptric.batch.results import Results, ResultsError, Samples, Times, atomically
 from catoptric.tests import stage
 from catoptric.tests.report_stage import HOSTILE, SOFTWARE, compared_in, measured, scene_picture
 
@@ -133,8 +133,9 @@ def test_noise_is_that_of_the_halves_channel_by_channel(shot):
     half = reference.copy()
     shown = 1.055 * 0.25 ** (1 / 2.4) - 0.055
     half[:, :8, 0] = ((shown + 10 / 255 + 0.055) / 1.055) ** 2.4
-    shot.judge_by(reference, half)
-    row = shot.result("m", reference, {}, Times(), [])
+    shot.judge_by(reference, half, 200)
+    row = shot.result("planar", reference, {}, Times(), [])
+    assert row.samples == Samples(200, 100)
     assert row.over_reflectors.mae_8bit == 0.0
     assert row.noise.over_reflectors.mae_8bit == pytest.approx(10 / 3)
     assert row.noise.over_frame.mae_8bit == pytest.approx(10 / 6)

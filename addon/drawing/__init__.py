@@ -6,6 +6,7 @@ from .layer_view import layer_view
 from .opening import NEED_STENCIL, Clipping, Opening
 from .passes import ScreenPass
 from .rasteriser import MOST_CUTS
+from .reflectors_seen import reflectors_seen
 from .resident import FREE_UNIT, Resident
 from .tables import first_triangles, world_box
 from .trees import grow_trees
@@ -27,6 +28,7 @@ __all__ = [
     "grow_trees",
     "layer_view",
     "raise_columns",
+    "reflectors_seen",
     "world_box",
     "world_to_clip",
 ]

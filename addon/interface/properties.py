@@ -154,10 +154,10 @@ class SceneSettings(bpy.types.PropertyGroup):
     )
     reference_samples: bpy.props.IntProperty(
         name="Cycles samples",
-        default=64,
-        min=2,
+        default=0,
+        min=0,
         max=65536,
-        description="Samples a pixel of the picture that Cycles renders; what noise is left is measured as well",
+        description="Samples a pixel of the picture that Cycles renders; 0: as many as make its noise low",
     )
 
 
