@@ -10,6 +10,8 @@ _NOTHING = 1e-30
 
 _TOP = 1.0
 _MOST_TICKS = 6
+_MOST_DECADES = 4
+"""What lies farther below the largest value stands at the bottom: a stray pixel's error is as good as none."""
 
 
 class Point(NamedTuple):
@@ -81,9 +83,10 @@ def _decades(values: list[float]) -> Scale:
     known = [log10(value) for value in values if value >= _NOTHING] or [0.0]
     low, high = floor(min(known)), ceil(max(known))
     high = max(high, low + 1)
+    low = max(low, high - _MOST_DECADES)
 
     def share(value: float) -> float:
-        return 0.0 if value < _NOTHING else (log10(value) - low) / (high - low)
+        return 0.0 if value < _NOTHING else max(0.0, (log10(value) - low) / (high - low))
 
     return share, [10.0**power for power in range(low, high + 1, ceil((high - low) / _MOST_TICKS))]
 

@@ -155,7 +155,11 @@ class Results:
 
     def add(self, result: Result) -> None:
         """Take in `result`, in place of an older one of that scene, frame, method and lighting."""
-        self.results = [old for old in self.results if _place(old) != _place(result)] + [result]
+        places = [_place(old) for old in self.results]
+        if _place(result) in places:
+            self.results[places.index(_place(result))] = result
+        else:
+            self.results.append(result)
         self.skipped = [old for old in self.skipped if not _covers(old, result)]
 
     def skip(self, skipped: Skipped) -> None:

@@ -15,7 +15,9 @@ BASELINE = "ray-traced"
 SHOWN_WHOLE = 6
 """Of so many frames each is shown; of more, those that tell most."""
 
-_MOST_WORST = 4
+_MOST_WORST, _BETWEEN = 4, 2
+_FAR = 10
+"""So many times another's is a curve that needs a scale of powers of ten beside it."""
 
 Value = Callable[[Result], float | None]
 
@@ -186,19 +188,24 @@ class Sequence:
         return Box(width, height, self.frames[0], self.frames[-1])
 
     def _chart(self, title: str, value: Value, width: float, height: float, timed: bool = False) -> Chart:
-        """Times are on a scale of powers of ten: by so much methods differ, and single frames from others."""
+        """Times are on a scale of powers of ten: by so much methods differ, and single frames from others.
+
+        So is everything else where that of one method is far from that of another, which else would not be seen.
+        """
         chosen = {name: self._timed(rows) if timed else rows for name, rows in self.by_method.items()}
         points = {
             name: [Point(row.frame, value(row), row.reuse is not None and row.reuse.key) for row in rows]
             for name, rows in chosen.items()
         }
-        return draw(title, points, self.box(width, height), decades=timed)
+        return draw(title, points, self.box(width, height), decades=timed or _far_apart(points.values()))
 
     def telling(self) -> dict[int, list[str]]:
         """The frames to show, and why each; all of them where there are few."""
         if len(self.frames) <= SHOWN_WHOLE:
             return {frame: [] for frame in self.frames}
         shown: dict[int, list[str]] = {self.frames[0]: ["the first"], self.frames[-1]: ["the last"]}
+        legs = len(self.frames) // (_BETWEEN + 1)
+        shown |= {self.frames[leg * legs]: ["on the way"] for leg in range(1, _BETWEEN + 1)}
         worst: dict[int, list[str]] = {}
         rows = [max(rows, key=lambda row: row.over_reflectors.flip or 0.0) for rows in self.by_method.values()]
         for row in [row for row in rows if row.over_reflectors.flip][:_MOST_WORST]:
@@ -219,6 +226,12 @@ class Sequence:
 def _retraced(row: Result) -> float | None:
     """Per cent; nothing for key frames, beside which all others would look alike."""
     return None if row.reuse is None or row.reuse.key else 100.0 * row.reuse.retraced
+
+
+def _far_apart(lines: Iterable[list[Point]]) -> bool:
+    """Whether the mean of one line is many times that of another."""
+    means = [mean for points in lines if (mean := _span(point.value for point in points).mean)]
+    return len(means) > 1 and max(means) > _FAR * min(means)
 
 
 def _span(values: Iterable[float | None]) -> Span:

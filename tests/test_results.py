@@ -1,5 +1,6 @@
 """Rows measured against a reference, results.json, and the pictures beside it."""
 
+import dataclasses
 import json
 import re
 
@@ -97,6 +98,26 @@ def test_a_result_replaces_its_older_self_and_its_skip(compared):
     assert results.find(scene="ball", method="nobody") is None
     measured(directory, results, "ball", HOSTILE, 0.4)
     assert results.skipped == []
+
+
+def test_a_result_keeps_its_place_among_the_others(compared):
+    """Else a run that went on where another stopped would show methods in another order."""
+    results, _ = compared
+    before = [(old.scene, old.method) for old in results.results]
+    results.add(dataclasses.replace(results.results[1], width=7))
+    assert [(new.scene, new.method) for new in results.results] == before
+    assert results.results[1].width == 7
+
+
+def test_rows_are_put_into_words_once(compared):
+    """Of a long flight thousands of rows are written after each frame."""
+    results, directory = compared
+    results.save(directory)
+    lines = [result.line for result in results.results]
+    results.add(dataclasses.replace(results.results[0], frame=99))
+    content = results.save(directory).read_text()
+    assert all(old is new.line for old, new in zip(lines, results.results, strict=False))
+    assert all(line in content for line in lines)
 
 
 def test_a_write_that_fails_leaves_the_old_file(tmp_path):
