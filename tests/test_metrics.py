@@ -97,6 +97,23 @@ def test_flip_is_the_evaluators_pixel_by_pixel(size, seed, share):
     assert found.mean() == pytest.approx(expected.mean(), abs=1e-4)
 
 
+@given(sizes, st.integers(0, 2**32 - 1), st.sampled_from([0.1, 1.0, 30.0, 65504.0]))
+@settings(max_examples=15, deadline=None)
+def test_hdr_flip_is_the_evaluators_pixel_by_pixel(size, seed, scale):
+    reference, test = (random_picture(seed + number, *size, scale=scale) for number in (0, 1))
+    exposures = exposures_of(reference)
+    parameters = {
+        "startExposure": exposures.start,
+        "stopExposure": exposures.stop,
+        "numExposures": exposures.count,
+    }
+    how = {"applyMagma": False, "computeMeanError": False, "parameters": parameters}
+    expected = flip_evaluator.evaluate(reference, test, "HDR", **how)[0][..., 0]
+    found = hdr_flip_map(test, reference, exposures)
+    assert np.abs(found - expected).max() < 2e-3
+    assert found.mean() == pytest.approx(expected.mean(), abs=1e-4)
+
+
 @given(st.integers(11, 70), st.integers(11, 70), st.integers(0, 2**32 - 1))
 @settings(max_examples=25, deadline=None)
 def test_ssim_is_that_of_scikit_image(height, width, seed):

@@ -1,16 +1,19 @@
 """FLIP: the difference that a person sees when two pictures alternate in place (Andersson et al. 2020, 2021)."""
 
 from dataclasses import dataclass
+from functools import reduce
 from math import ceil, log2, sqrt
 
-import flip_evaluator
 import numpy as np
 
 from ..scene import LUMINANCE
 from .ldr_flip import flip, seen
 
 MOST_EXPOSURES = 10
-"""HDR-FLIP looks at about one exposure a stop; a sun in the picture would ask for dozens, at 0.3 s each."""
+"""HDR-FLIP looks at about one exposure a stop; a sun in the picture would ask for dozens."""
+
+_ACES = 0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14
+"""a to e of (a x² + b x) / (c x² + d x + e), FLIP's fit of the ACES curve."""
 
 
 @dataclass(frozen=True)
@@ -57,21 +60,21 @@ def hdr_flip_map(test: np.ndarray, reference: np.ndarray, exposures: Exposures) 
 
     Takes linear pictures (H, W, 3) of one shape. What is below zero counts as black.
     """
-    parameters = {
-        "startExposure": exposures.start,
-        "stopExposure": exposures.stop,
-        "numExposures": exposures.count,
-    }
-    # flip_evaluator leaves the process on bad arguments, so callers check pictures before they come here.
-    pictures = (np.ascontiguousarray(np.maximum(picture, 0.0), dtype=np.float32) for picture in (reference, test))
-    errors, _, _ = flip_evaluator.evaluate(
-        *pictures, "HDR", applyMagma=False, computeMeanError=False, parameters=parameters
-    )
-    return errors[..., 0]
+    test, reference = planes_of(test), planes_of(reference)
+    stops = np.linspace(exposures.start, exposures.stop, exposures.count)
+    errors = (flip(seen(_toned(test, stop)), seen(_toned(reference, stop))) for stop in stops)
+    return reduce(np.maximum, errors)
+
+
+def _toned(linear: np.ndarray, stop: float) -> np.ndarray:
+    """float32 (3, H, W) in 0..1: a picture exposed by so many stops, under FLIP's fit of the ACES curve."""
+    a, b, c, d, e = _ACES
+    exposed = np.maximum(linear, 0.0) * np.float32(2.0**stop)
+    return np.clip((exposed * (a * exposed + b)) / (exposed * (c * exposed + d) + e), 0.0, 1.0)
 
 
 def _aces_inverse(shown: float) -> float:
-    """The linear value that FLIP's fit of the ACES curve, (a x² + b x) / (c x² + d x + e), shows as `shown`."""
-    a, b, c, d, e = 0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14
+    """The linear value that FLIP's fit of the ACES curve shows as `shown`."""
+    a, b, c, d, e = _ACES
     square, linear, constant = a - shown * c, b - shown * d, -shown * e
     return (-linear + sqrt(linear * linear - 4.0 * square * constant)) / (2.0 * square)
