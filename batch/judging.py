@@ -9,7 +9,7 @@ import numpy as np
 
 from ..addon.methods.contract import Frame, Method, Reuse, View
 from ..addon.methods.registry import METHODS
-from ..addon.metrics import Figures, Picture, error_maps, exposures_of, noise_maps
+from ..addon.metrics import Figures, error_maps, exposures_of, noise_maps
 from ..addon.parameters import Value
 from ..addon.progress import Progress, silent
 from ..addon.scene import Lighting, Scene
@@ -94,7 +94,7 @@ class Shot:
         images, judged = self.images(method), self.judges(method)
         over_reflectors, over_frame = Figures(int(self.mask.sum())), Figures(self.mask.size)
         if judged:
-            errors = error_maps(color, self._judge, self._exposures, hdr=not self.one_of_many)
+            errors = error_maps(color, self.reference, self._exposures, hdr=not self.one_of_many)
             over_reflectors, over_frame = errors.over(self.mask), errors.over()
             metadata = self._metadata(method)
             save_images(self.out, images, color, self.reference, errors.flip, metadata, self.one_of_many)
@@ -122,10 +122,6 @@ class Shot:
             against=self.against if judged else None,
             samples=Samples(self.samples, self.side**2 if method in METHODS else None),
         )
-
-    @cached_property
-    def _judge(self) -> Picture:
-        return Picture(self.reference)
 
     @cached_property
     def _exposures(self):

@@ -14,7 +14,7 @@ from pathlib import Path
 from ..addon.cache import Cache, key_of
 from ..addon.errors import MachineError
 
-NEEDED = ("jinja2", "moderngl", "platformdirs", "rich")
+NEEDED = ("flip-evaluator", "jinja2", "moderngl", "platformdirs", "rich")
 """What the shipped code imports and Blender lacks; what these need themselves comes along."""
 
 BLENDER_BRINGS = frozenset({"numpy", "openimageio"})

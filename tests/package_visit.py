@@ -56,7 +56,7 @@ def visit(package: str) -> dict:
             importlib.import_module(found.name)
         except ImportError as error:
             told["missing"][found.name] = error.name
-    for name in ("glcontext", "moderngl", "platformdirs"):
+    for name in ("flip_evaluator", "glcontext", "moderngl", "platformdirs"):
         if not Path(importlib.import_module(name).__file__).is_relative_to(HOME):
             told["outside"].append(name)
     gl = importlib.import_module(f"{MODULE}.addon.gl")

@@ -35,8 +35,8 @@ TAGS = {
     "macos-arm64": ["macosx_11_0_arm64", "macosx_11_0_universal2"],
 }
 
-NOT_IN_BLENDER = {"pyktx"}
-"""Not shipped, for it needs a library beside it: code must work without."""
+NOT_IN_BLENDER = {"skimage", "pyktx"}
+"""Not shipped, for the one is heavy and the other needs a library beside it: code must work without."""
 
 LEFT_OUT = ("batch/preview/", "batch/cli.py", "batch/manual.py", "batch/package")
 """The command line, its packager and its window: they need more than Blender has."""
@@ -183,6 +183,7 @@ def test_each_package_has_one_wheel_for_each_python_that_fits(zips, platform):
         }
         fitting = {name: parts for name, parts in parsed.items() if parts[3] & supported}
         assert sorted(parts[0] for parts in fitting.values()) == [
+            "flip-evaluator",
             "glcontext",
             "jinja2",
             "markdown-it-py",

@@ -7,7 +7,6 @@ import numpy as np
 from ..drawing import Canvas
 from ..methods.contract import View
 from ..methods.mixed import Mixed
-from ..metrics import flip_map
 from .overlays import opaque, picture
 
 _LINE = 0.9
@@ -44,6 +43,8 @@ class InPlace:
         return opaque(_heat(self._judge(canvas, view)))
 
     def _judge(self, canvas: Canvas, view: View) -> np.ndarray:
+        from ..metrics.flip import flip_map  # a wheel that a distribution's own Blender may lack
+
         color = canvas.rows(canvas.color)
         errors = flip_map(np.ascontiguousarray(color[::-1, :, :3]), np.ascontiguousarray(self.color[::-1]))[::-1]
         mirrors = color[..., 3] >= 0.5

@@ -3,7 +3,7 @@
 from .display import MAGMA, magma, to_bytes, to_display
 from .enough import Enough
 from .flip import Exposures, exposures_of, flip_map, hdr_flip_map
-from .measure import ErrorMaps, Figures, Picture, PictureError, error_maps, measure, noise_maps
+from .measure import ErrorMaps, Figures, PictureError, error_maps, measure, noise_maps
 
 __all__ = [
     "MAGMA",
@@ -11,7 +11,6 @@ __all__ = [
     "ErrorMaps",
     "Exposures",
     "Figures",
-    "Picture",
     "PictureError",
     "error_maps",
     "exposures_of",

@@ -1,19 +1,16 @@
 """FLIP: the difference that a person sees when two pictures alternate in place (Andersson et al. 2020, 2021)."""
 
 from dataclasses import dataclass
-from functools import reduce
 from math import ceil, log2, sqrt
 
+import flip_evaluator
 import numpy as np
 
 from ..scene import LUMINANCE
-from .ldr_flip import flip, seen
+from .display import to_display
 
 MOST_EXPOSURES = 10
-"""HDR-FLIP looks at about one exposure a stop; a sun in the picture would ask for dozens."""
-
-_ACES = 0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14
-"""a to e of (a x² + b x) / (c x² + d x + e), FLIP's fit of the ACES curve."""
+"""HDR-FLIP looks at about one exposure a stop; a sun in the picture would ask for dozens, at 0.3 s each."""
 
 
 @dataclass(frozen=True)
@@ -47,12 +44,7 @@ def flip_map(test: np.ndarray, reference: np.ndarray) -> np.ndarray:
 
     For an observer who sees 67 pixels a degree, FLIP's default.
     """
-    return flip(*(seen(np.clip(planes_of(picture), 0.0, 1.0)) for picture in (test, reference)))
-
-
-def planes_of(picture: np.ndarray) -> np.ndarray:
-    """float32 (3, H, W): a picture (H, W, 3) channel by channel, in which arithmetic runs along the pixels."""
-    return np.ascontiguousarray(np.moveaxis(picture, -1, 0), np.float32)
+    return _evaluate(to_display(test), to_display(reference), "LDR", {})
 
 
 def hdr_flip_map(test: np.ndarray, reference: np.ndarray, exposures: Exposures) -> np.ndarray:
@@ -60,21 +52,25 @@ def hdr_flip_map(test: np.ndarray, reference: np.ndarray, exposures: Exposures) 
 
     Takes linear pictures (H, W, 3) of one shape. What is below zero counts as black.
     """
-    test, reference = planes_of(test), planes_of(reference)
-    stops = np.linspace(exposures.start, exposures.stop, exposures.count)
-    errors = (flip(seen(_toned(test, stop)), seen(_toned(reference, stop))) for stop in stops)
-    return reduce(np.maximum, errors)
+    parameters = {
+        "startExposure": exposures.start,
+        "stopExposure": exposures.stop,
+        "numExposures": exposures.count,
+    }
+    return _evaluate(np.maximum(test, 0.0), np.maximum(reference, 0.0), "HDR", parameters)
 
 
-def _toned(linear: np.ndarray, stop: float) -> np.ndarray:
-    """float32 (3, H, W) in 0..1: a picture exposed by so many stops, under FLIP's fit of the ACES curve."""
-    a, b, c, d, e = _ACES
-    exposed = np.maximum(linear, 0.0) * np.float32(2.0**stop)
-    return np.clip((exposed * (a * exposed + b)) / (exposed * (c * exposed + d) + e), 0.0, 1.0)
+def _evaluate(test: np.ndarray, reference: np.ndarray, kind: str, parameters: dict) -> np.ndarray:
+    # flip_evaluator leaves the process on bad arguments, so callers check pictures before they come here.
+    pictures = (np.ascontiguousarray(picture, dtype=np.float32) for picture in (reference, test))
+    errors, _, _ = flip_evaluator.evaluate(
+        *pictures, kind, inputsRGB=True, applyMagma=False, computeMeanError=False, parameters=parameters
+    )
+    return errors[..., 0]
 
 
 def _aces_inverse(shown: float) -> float:
-    """The linear value that FLIP's fit of the ACES curve shows as `shown`."""
-    a, b, c, d, e = _ACES
+    """The linear value that FLIP's fit of the ACES curve, (a x² + b x) / (c x² + d x + e), shows as `shown`."""
+    a, b, c, d, e = 0.36 * 2.51, 0.6 * 0.03, 0.36 * 2.43, 0.6 * 0.59, 0.14
     square, linear, constant = a - shown * c, b - shown * d, -shown * e
     return (-linear + sqrt(linear * linear - 4.0 * square * constant)) / (2.0 * square)

@@ -1,17 +1,19 @@
 """How far a picture is from its reference, in figures."""
 
 from dataclasses import dataclass
-from functools import cached_property
 from math import log10
 
 import numpy as np
 
 from ..errors import CatoptricError
 from .display import stepped, to_display
-from .flip import Exposures, exposures_of, hdr_flip_map, planes_of
-from .ldr_flip import Seen, flip, seen
-from .ssim import ssim, statistics
+from .flip import Exposures, exposures_of, flip_map, hdr_flip_map
 
+_SSIM_WINDOW = 11
+_REACH = 10
+"""Pixels that the widest filter reaches to each side: FLIP's, for an observer who sees 67 pixels a degree."""
+
+_OF_EQUALS = {"ssim": 1.0}
 _DARK = 0.01
 
 
@@ -26,7 +28,8 @@ class Figures:
     `flip` and `flip_hdr` 0..1 (0 is equal); `psnr` in dB of the displayed picture; `ssim` up to 1
     (1 is equal); `mae_8bit` mean absolute difference in steps of a screen's 255; `rel_mse` mean
     squared difference of radiance over the reference's square. None where there is no number: all
-    of them over no pixels, and the PSNR of equal pictures, which is infinite.
+    of them over no pixels, the PSNR of equal pictures, which is infinite, and the SSIM where
+    scikit-image is not installed, as inside Blender.
     """
 
     pixels: int
@@ -47,7 +50,7 @@ class ErrorMaps:
 
     flip: np.ndarray
     flip_hdr: np.ndarray | None
-    ssim: np.ndarray
+    ssim: np.ndarray | None
     mae_8bit: np.ndarray
     mse: np.ndarray
     rel_mse: np.ndarray
@@ -73,49 +76,14 @@ class ErrorMaps:
             flip=mean(self.flip),
             flip_hdr=mean(self.flip_hdr) if self.flip_hdr is not None else None,
             psnr=-10.0 * log10(mse) if mse > 0.0 else None,
-            ssim=mean(self.ssim),
+            ssim=mean(self.ssim) if self.ssim is not None else None,
             mae_8bit=mean(self.mae_8bit),
             rel_mse=mean(self.rel_mse),
         )
 
 
-@dataclass(frozen=True, eq=False)
-class Picture:
-    """A picture (H, W, 3) float32 of scene-linear radiance, and what the metrics make of it, each worked out once.
-
-    Hold many pictures against one of these, and the work on the reference is not done again for each.
-    """
-
-    linear: np.ndarray
-
-    @cached_property
-    def planes(self) -> np.ndarray:
-        """(3, H, W): channel by channel."""
-        return planes_of(self.linear)
-
-    @cached_property
-    def shown(self) -> np.ndarray:
-        """(3, H, W) in 0..1: as a screen shows it."""
-        return to_display(self.planes)
-
-    @cached_property
-    def steps(self) -> np.ndarray:
-        """(3, H, W) uint8: in a screen's steps."""
-        return stepped(self.shown)
-
-    @cached_property
-    def seen(self) -> Seen:
-        """What FLIP's observer sees."""
-        return seen(np.clip(self.planes, 0.0, 1.0))
-
-    @cached_property
-    def statistics(self) -> tuple[np.ndarray, np.ndarray]:
-        """What SSIM needs to know."""
-        return statistics(self.shown)
-
-
 def error_maps(
-    test: np.ndarray, reference: np.ndarray | Picture, exposures: Exposures | None = None, hdr: bool = True
+    test: np.ndarray, reference: np.ndarray, exposures: Exposures | None = None, hdr: bool = True
 ) -> ErrorMaps:
     """Compare two pictures (H, W, 3) of scene-linear radiance.
 
@@ -124,34 +92,53 @@ def error_maps(
     pictures clamped to 0..1 and sRGB-encoded. Raises `PictureError` for shapes that differ and for
     pixels that are no finite number.
     """
-    judge = reference if isinstance(reference, Picture) else Picture(reference)
-    test, reference = _checked(test, "the method's picture"), _checked(judge.linear, "the reference")
+    test, reference = _checked(test, "the method's picture"), _checked(reference, "the reference")
     if test.shape != reference.shape:
         sizes = " and ".join(f"{picture.shape[1]}x{picture.shape[0]}" for picture in (test, reference))
         raise PictureError(f"the method's picture and the reference differ in size ({sizes}): render both alike")
-    picture = Picture(test)
+    if hdr and exposures is None:
+        exposures = exposures_of(reference)
+    rows, columns = near = _near_differences(test, reference)
+    around = [(rows.start, test.shape[0] - rows.stop), (columns.start, test.shape[1] - columns.stop)]
+    errors = _error_maps(test[near], reference[near], exposures if hdr else None)
     return ErrorMaps(
-        flip=flip(picture.seen, judge.seen),
-        flip_hdr=hdr_flip_map(test, reference, exposures or exposures_of(reference)) if hdr else None,
-        ssim=ssim(picture.shown, judge.shown, picture.statistics, judge.statistics),
-        mae_8bit=_mean(np.abs(np.subtract(picture.steps, judge.steps, dtype=np.float32))),
-        mse=_mean((picture.shown - judge.shown) ** 2),
-        rel_mse=_relative(picture.planes, judge.planes),
+        **{
+            name: values if values is None else np.pad(values, around, constant_values=_OF_EQUALS.get(name, 0.0))
+            for name, values in vars(errors).items()
+        }
     )
 
 
-def _relative(test: np.ndarray, reference: np.ndarray) -> np.ndarray:
-    """The squared difference over the reference's square. That of a bright sun needs more than 32 bits.
+def _near_differences(test: np.ndarray, reference: np.ndarray) -> tuple[slice, slice]:
+    """Rows and columns outside of which no metric finds an error, nor looks at one: at least one pixel.
 
-    The constant keeps dark pixels from ruling the mean, as is usual in rendering.
+    The filters of FLIP and SSIM are slow, and frames of a film often differ in their mirrors alone.
     """
-    expected = reference.astype(np.float64)
-    return _mean((test - expected) ** 2 / (expected**2 + _DARK))
+    differ = (test != reference).any(axis=-1)
+    return tuple(_span(differ.any(axis=axis)) for axis in (1, 0))
 
 
-def _mean(planes: np.ndarray) -> np.ndarray:
-    """The mean of three planes: adding them up is much faster than `np.mean` over so short an axis."""
-    return (planes[0] + planes[1] + planes[2]) / 3
+def _span(differ: np.ndarray) -> slice:
+    found = np.flatnonzero(differ)
+    # Errors reach as far as a filter does from a difference; they are themselves made from as far around.
+    first, last = (found[0], found[-1]) if len(found) else (0, 0)
+    return slice(max(0, int(first) - 2 * _REACH), min(len(differ), int(last) + 2 * _REACH + 1))
+
+
+def _error_maps(test: np.ndarray, reference: np.ndarray, exposures: Exposures | None) -> ErrorMaps:
+    shown, expected = to_display(test), to_display(reference)
+    steps = np.abs(np.subtract(stepped(shown), stepped(expected), dtype=np.float32))
+    # The constant keeps dark pixels from ruling the mean, as is usual in rendering. The square of a
+    # bright sun needs more than 32 bits.
+    relative = (test.astype(np.float64) - reference) ** 2 / (reference.astype(np.float64) ** 2 + _DARK)
+    return ErrorMaps(
+        flip=flip_map(test, reference),
+        flip_hdr=hdr_flip_map(test, reference, exposures) if exposures else None,
+        ssim=_ssim_map(shown, expected),
+        mae_8bit=steps.mean(axis=-1),
+        mse=((shown - expected) ** 2).mean(axis=-1),
+        rel_mse=relative.mean(axis=-1),
+    )
 
 
 def measure(
@@ -179,9 +166,24 @@ def _checked(picture: np.ndarray, name: str) -> np.ndarray:
     picture = np.asarray(picture, dtype=np.float32)
     if picture.ndim != 3 or picture.shape[-1] != 3 or picture.size == 0:
         raise PictureError(f"{name} has the shape {picture.shape}: it must be height x width x 3")
-    finite = np.isfinite(picture)
-    if not finite.all():
-        bad = ~finite.all(axis=-1)
+    bad = ~np.isfinite(picture).all(axis=-1)
+    if bad.any():
         y, x = np.argwhere(bad)[0]
         raise PictureError(f"{name} has {bad.sum()} pixels that are no finite number, the first at x {x}, y {y}")
     return picture
+
+
+def _ssim_map(test: np.ndarray, reference: np.ndarray) -> np.ndarray | None:
+    """SSIM (Wang et al. 2004: Gaussian window of 1.5 pixels), mean of the channels; None without scikit-image."""
+    try:
+        from skimage.metrics import structural_similarity
+    except ImportError:
+        return None
+    height, width = test.shape[:2]
+    missing = [(0, max(0, _SSIM_WINDOW - side)) for side in (height, width)]
+    # A picture smaller than the window goes on mirrored, as the filter has it beyond the edge.
+    grown = (np.pad(picture, [*missing, (0, 0)], mode="symmetric") for picture in (test, reference))
+    _, similarity = structural_similarity(
+        *grown, channel_axis=-1, data_range=1.0, gaussian_weights=True, use_sample_covariance=False, full=True
+    )
+    return similarity[:height, :width].mean(axis=-1)
