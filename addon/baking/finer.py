@@ -2,6 +2,12 @@
 
 import numpy as np
 
+_MOST_BESIDE = 0.5
+"""Of a triangle's height: how far a ray may pass beside it."""
+
+_LEAST_SLOPE = 0.1
+"""Sine of the angle between a ray and the surface from which on it meets tangent planes near their corners."""
+
 
 def finer(corners: np.ndarray, normals: np.ndarray, levels: int) -> tuple[np.ndarray, np.ndarray]:
     """Quarter every triangle `levels` times, onto the curved surface that its corners' normals stand for.
@@ -18,6 +24,31 @@ def finer(corners: np.ndarray, normals: np.ndarray, levels: int) -> tuple[np.nda
     turned = np.einsum("wk,tkc->twc", weights, normals)
     turned /= np.maximum(np.linalg.norm(turned, axis=2, keepdims=True), 1e-300)
     return positions[:, pieces].reshape(-1, 3, 3), turned[:, pieces].reshape(-1, 3, 3)
+
+
+def met_by(ways: np.ndarray, corners: np.ndarray, normals: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
+    """Where rays from the origin meet the curved surface that small triangles stand for: points and normals, (N, 3).
+
+    Ray n goes along `ways` (N, 3) through triangle n, of `corners` and unit `normals` (N, 3, 3). A point is halfway
+    between the flat triangle and the tangent planes of its corners, which is right to the third order.
+
+    Source: after Boubekeur and Alexa, *Phong tessellation*, 2008.
+    """
+    after, before = np.roll(corners, -1, axis=1), np.roll(corners, 1, axis=1)
+    shares = np.einsum("nkc,nc->nk", np.cross(after, before), ways)
+    total = shares.sum(axis=1, keepdims=True)
+    weights = np.divide(shares, total, out=np.full_like(shares, 1 / 3), where=total != 0.0)
+    # Rays that pass a sliver by a hair are as far from it, in its own measure, as they like.
+    weights = np.clip(weights, -_MOST_BESIDE, 1.0 + _MOST_BESIDE)
+    weights /= weights.sum(axis=1, keepdims=True)
+    ahead = ways / np.linalg.norm(ways, axis=1, keepdims=True)
+    points = np.einsum("nk,nkc,nc->n", weights, corners, ahead)[:, None] * ahead
+    turned = np.einsum("nk,nkc->nc", weights, normals)
+    height = np.einsum("nk,nkc,nkc->n", weights, normals, corners - points[:, None])[:, None]
+    slope = np.einsum("nc,nc->n", turned, ahead)[:, None]
+    # Planes that a ray grazes would be met anywhere.
+    points += 0.5 * height * slope / np.maximum(slope * slope, _LEAST_SLOPE**2) * ahead
+    return points, turned / np.maximum(np.linalg.norm(turned, axis=1, keepdims=True), 1e-300)
 
 
 def _quartered(levels: int) -> tuple[np.ndarray, np.ndarray]:

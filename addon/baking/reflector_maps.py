@@ -8,12 +8,12 @@ import moderngl
 import numpy as np
 
 from ..cache import Cache, key_of
-from ..gl import on_gl_thread, program, read_back, require
+from ..gl import clear, on_gl_thread, program, read_back, require
 from ..parameters import Parameter
 from ..progress import Progress, part_of, silent
 from ..scene import Mesh, Scene
 from ..tracing import Curvature, StarPart, star_parts
-from .finer import finer
+from .finer import finer, met_by
 from .grow import grown
 
 _SECTION = "Estalella et al., 4.1"
@@ -62,6 +62,9 @@ _LEAST_PATCH = 8
 
 _LEAST_NEAR = 0.25
 """How near what is made up is at least, of how near the farthest texel is that the reflector covers."""
+
+_AT_ONCE = 1 << 18
+"""Texels whose rays meet the reflector at once: so much memory is needed."""
 
 _PATCH_FACE = 4
 """A patch lies before its frame's third axis: on the face +Z."""
@@ -138,7 +141,7 @@ def reflector_maps(
     `settings` holds the values of SIZE, FINER and SPREAD; what `cache` holds is not baked again.
     """
     size, levels, spread = settings[SIZE.name], settings[FINER.name], settings[SPREAD.name]
-    key = key_of(KIND, 4, mesh.positions, mesh.triangles, mesh.normals, size, levels, spread)
+    key = key_of(KIND, 5, mesh.positions, mesh.triangles, mesh.normals, size, levels, spread)
     if cache and (kept := cache.get(KIND, key)):
         return _unpacked(kept.arrays)
     progress("splitting reflectors", 0.0)
@@ -181,31 +184,43 @@ def bake_part(mesh: Mesh, part: StarPart, size: int, levels: int) -> ReflectorMa
     corners, normals = finer(corners, normals, levels)
     faces = range(6) if np.isinf(part.reach) else (_PATCH_FACE,)
     reach = 1.0 if np.isinf(part.reach) else part.reach
-    positions, turned = _drawn(corners.reshape(-1, 3), normals.reshape(-1, 3), faces, size, reach)
     ways = _ways(faces, size, reach)
-    if not positions[..., 3].any():
-        _pin(positions, turned, ways, corners, normals)
-    covered = positions[..., 3] > 0.0
+    shown = _shown(corners, faces, size, reach)
+    positions, turned = _met(ways, shown, corners, normals)
+    covered = shown > 0
+    if not covered.any():
+        _pin(positions, turned, covered, ways, corners, normals)
     # What goes on is how near the reflector is and how it faces: a plane's nearness is linear, and every texel stays
     # in its direction.
     ahead = np.stack([np.abs(place[..., face // 2]) for place, face in zip(positions, faces, strict=True)])
     nearness = 1.0 / np.where(covered, ahead, 1.0)
-    values = np.concatenate([nearness[..., None], turned[..., :3]], axis=3)
+    values = np.concatenate([nearness[..., None], turned], axis=3)
     values = np.stack([grown(face, inside) for face, inside in zip(values, covered, strict=True)])
     least = _LEAST_NEAR * nearness.min(initial=np.inf, where=covered)
     made_up = ways / np.maximum(values[..., :1], least)
     normals = values[..., 1:] / np.maximum(np.linalg.norm(values[..., 1:], axis=3, keepdims=True), 1e-20)
-    filled = np.where(covered[..., None], positions[..., :3], made_up)
+    filled = np.where(covered[..., None], positions, made_up)
     return ReflectorMap(part, filled.astype(np.float32), normals.astype(np.float32), covered)
 
 
-def _pin(positions: np.ndarray, turned: np.ndarray, ways: np.ndarray, corners: np.ndarray, normals: np.ndarray) -> None:
+def _met(ways: np.ndarray, shown: np.ndarray, corners: np.ndarray, normals: np.ndarray):
+    """Positions and normals (F, N, N, 3) float64 of the surface in texels that show a triangle, else 0."""
+    positions, turned = np.zeros_like(ways), np.zeros_like(ways)
+    texels = np.flatnonzero(shown)
+    for some in np.array_split(texels, len(texels) // _AT_ONCE + 1):
+        triangles = shown.ravel()[some] - 1
+        found = met_by(ways.reshape(-1, 3)[some], corners[triangles], normals[triangles])
+        positions.reshape(-1, 3)[some], turned.reshape(-1, 3)[some] = found
+    return positions, turned
+
+
+def _pin(positions: np.ndarray, turned: np.ndarray, covered: np.ndarray, ways: np.ndarray, corners, normals) -> None:
     """Have the texel that is nearest to the middle of a patch show it, where the patch passes between all texels."""
     middle = corners.reshape(-1, 3).mean(axis=0)
     cosines = ways[0] @ middle / np.linalg.norm(ways[0], axis=2)
-    row, column = np.unravel_index(cosines.argmax(), cosines.shape)
-    positions[0, row, column] = *(middle[2] * ways[0, row, column]), 1.0
-    turned[0, row, column, :3] = normals.reshape(-1, 3).mean(axis=0)
+    texel = 0, *np.unravel_index(cosines.argmax(), cosines.shape)
+    positions[texel], covered[texel] = middle[2] * ways[texel], True
+    turned[texel] = normals.reshape(-1, 3).mean(axis=0)
 
 
 def _ways(faces: Sequence[int], size: int, reach: float) -> np.ndarray:
@@ -219,27 +234,26 @@ def _ways(faces: Sequence[int], size: int, reach: float) -> np.ndarray:
     return ways
 
 
-def _drawn(points: np.ndarray, normals: np.ndarray, faces: Sequence[int], size: int, reach: float):
-    """Positions and normals (F, N, N, 4) float32 on some faces, alpha 0 where nothing is."""
+def _shown(corners: np.ndarray, faces: Sequence[int], size: int, reach: float) -> np.ndarray:
+    """(F, N, N) uint32: which triangle the middles of texels show, counted from 1, or 0."""
     context = require()
     shader = program("reflector_maps/faces.vert", "reflector_maps/faces.frag")
-    buffer = context.buffer(np.concatenate([points, normals], axis=1).astype(np.float32))
-    array = context.vertex_array(shader, [(buffer, "3f 3f", "position", "normal")])
-    textures = [context.texture((size, size), 4, dtype="f4") for _ in range(2)]
-    target = context.framebuffer(textures)
+    buffer = context.buffer(corners.reshape(-1, 3).astype(np.float32))
+    array = context.vertex_array(shader, [(buffer, "3f", "position")])
+    texture = context.texture((size, size), 1, dtype="u4")
+    target = context.framebuffer([texture])
     try:
         context.enable_only(moderngl.NOTHING)
         shader["scale"] = (size - 2 * BORDER) / size / reach
         pictures = []
         for face in faces:
-            target.use()
-            target.clear()
+            clear(target)
             shader["axis"], shader["side"] = face // 2, 1.0 - 2.0 * (face % 2)
             array.render(moderngl.TRIANGLES)
-            pictures.append([np.frombuffer(read_back(part), np.float32).reshape(size, size, 4) for part in textures])
-        return tuple(np.stack(part) for part in zip(*pictures, strict=True))
+            pictures.append(np.frombuffer(read_back(texture), np.uint32).reshape(size, size))
+        return np.stack(pictures)
     finally:
-        for part in (target, *textures, array, buffer):
+        for part in (target, texture, array, buffer):
             part.release()
 
 

@@ -1,12 +1,7 @@
-// Position and normal of the reflector where a texel's centre lies (Estalella et al., 4.1).
+// Which triangle of the reflector lies where a texel's centre looks (Estalella et al., 4.1), counted from 1.
 
-in vec3 place;
-in vec3 direction;
-
-layout(location = 0) out vec4 position;  // alpha: the texel is covered
-layout(location = 1) out vec4 normal;
+layout(location = 0) out uint shown;
 
 void main() {
-    position = vec4(place, 1.0);
-    normal = vec4(normalize(direction), 1.0);
+    shown = uint(gl_PrimitiveID + 1);
 }

@@ -5,14 +5,8 @@ uniform float side;     // 1 or -1 way
 uniform float scale;    // what of the face is within the border, over the tangent that it reaches to
 
 in vec3 position;       // in the part's frame, from its centre
-in vec3 normal;
-
-out vec3 place;
-out vec3 direction;
 
 void main() {
-    place = position;
-    direction = normal;
     float ahead = side * position[axis];
     gl_Position = vec4(-side * scale * position[(axis + 1) % 3], scale * position[(axis + 2) % 3], 0.0, ahead);
 }
