@@ -1,7 +1,8 @@
 """The search for reflection points on its own: a path, an eye and vertices in, where they are reflected out."""
 
-from collections.abc import Sequence
+from collections.abc import Callable, Iterator, Sequence
 from dataclasses import dataclass
+from functools import partial
 from typing import NamedTuple
 
 import moderngl
@@ -165,12 +166,93 @@ def alhazen(eye: np.ndarray, vertices: np.ndarray) -> np.ndarray:
         middle = 0.5 * (low + high)
         normal = np.stack([np.cos(middle), np.sin(middle)], axis=1)
         along = np.stack([-normal[:, 1], normal[:, 0]], axis=1)
-        to_eye = np.broadcast_to(seen_from, normal.shape) if far else _unit(seen_from - normal)
-        leans = ((to_eye + _unit(place - normal)) * along).sum(axis=1) > 0.0
+        to_eye = np.broadcast_to(seen_from, normal.shape) if far else unit(seen_from - normal)
+        leans = ((to_eye + unit(place - normal)) * along).sum(axis=1) > 0.0
         low, high = np.where(leans, middle, low), np.where(leans, high, middle)
     angle = 0.5 * (low + high)[:, None]
     return np.cos(angle) * towards + np.sin(angle) * aside
 
 
-def _unit(vectors: np.ndarray) -> np.ndarray:
+def unit(vectors: np.ndarray) -> np.ndarray:
+    """Vectors made 1 long."""
     return vectors / np.maximum(np.linalg.norm(vectors, axis=-1, keepdims=True), 1e-300)
+
+
+# What a ball of radius 1 around 0 mirrors. All is what 32-bit floats hold, so that the search is given the same.
+
+
+def rounded(values: np.ndarray) -> np.ndarray:
+    """As the GPU has it."""
+    return np.asarray(values, np.float32).astype(float)
+
+
+def eye_at(distance: float, rng: np.random.Generator) -> np.ndarray:
+    """A point and 1, or at infinity a direction and 0."""
+    towards = unit(rng.normal(size=3))
+    return rounded(np.append(towards, 0.0) if np.isinf(distance) else np.append(towards * distance, 1.0))
+
+
+def around(count: int, rng: np.random.Generator) -> np.ndarray:
+    """Points on all sides, from 0.001 to 100 radii above the ball."""
+    return rounded(unit(rng.normal(size=(count, 3))) * (1 + 10 ** rng.uniform(-3, 2, size=(count, 1))))
+
+
+def beyond(eye: np.ndarray, count: int, rng: np.random.Generator) -> np.ndarray:
+    """Those of them on the far side."""
+    points = around(count, rng)
+    return np.where(points @ eye[:3, None] > 0.0, -points, points)
+
+
+def near_tangent(
+    eye: np.ndarray, count: int, rng: np.random.Generator, nearest: float = 0.01, farthest: float = 100.0
+) -> np.ndarray:
+    """Points so far from where a ball reflects them by its horizon: 0.0003 to 0.3 is the sine of their height there."""
+    towards = unit(eye[:3])
+    sine = 10 ** rng.uniform(-3.5, -0.5, size=count)
+    aside = unit(np.cross(towards, rng.normal(size=(count, 3))))
+    # The angle from the eye at which it stands this high: the law of sines.
+    below = 0.0 if eye[3] == 0 else np.arcsin(np.sqrt(1 - sine**2) / np.linalg.norm(eye[:3]))
+    angle = (np.arccos(sine) - below)[:, None]
+    points = np.cos(angle) * towards + np.sin(angle) * aside
+    away = 10 ** rng.uniform(np.log10(nearest), np.log10(farthest), size=(count, 1))
+    return rounded(points + reflected(eye, points, points) * away)
+
+
+def reflected(eye: np.ndarray, points: np.ndarray, normals: np.ndarray) -> np.ndarray:
+    """(N, 3) unit: where light from the eye goes on."""
+    way = unit(points * eye[3] - eye[:3])
+    return way - 2 * (way * normals).sum(axis=1, keepdims=True) * normals
+
+
+def heights(eye: np.ndarray, points: np.ndarray) -> np.ndarray:
+    """Sine of the eye's height above the ball at its `points`."""
+    return (unit(eye[:3] - eye[3] * points) * points).sum(axis=1)
+
+
+def is_hidden(eye: np.ndarray, vertices: np.ndarray) -> np.ndarray:
+    """Whether the straight line to the eye meets the ball."""
+    way = eye[:3] - eye[3] * vertices
+    along = np.clip(-(vertices * way).sum(axis=1) / (way * way).sum(axis=1), 0.0, 1.0 if eye[3] else np.inf)
+    return np.linalg.norm(vertices + along[:, None] * way, axis=1) < 1.0
+
+
+PLACES: dict[str, Callable[[np.ndarray, int, np.random.Generator], np.ndarray]] = {
+    "anywhere": lambda eye, count, rng: around(count, rng),
+    "on the far side": beyond,
+    "near-tangent, 0.1 to 100 radii away": partial(near_tangent, nearest=0.1),
+    "near-tangent, 0.01 to 0.1 radii away": partial(near_tangent, farthest=0.1),
+    "near-tangent, 0.001 to 0.01 radii away": partial(near_tangent, nearest=0.001, farthest=0.01),
+}
+"""Where vertices are, each with what makes some of them up for an eye."""
+
+
+def pairs(place: str, count: int, seed: int) -> Iterator[tuple[np.ndarray, np.ndarray]]:
+    """Eyes (4,), from 0.01 radii above the ball to infinity, and vertices (N, 3) that it does not hide: `count` pairs
+    or more."""
+    rng = np.random.default_rng(seed)
+    while count > 0:
+        eye = eye_at(np.inf if rng.random() < 0.1 else 1 + 10 ** rng.uniform(-2, 2), rng)
+        vertices = PLACES[place](eye, 250, rng)
+        vertices = vertices[~is_hidden(eye, vertices)]
+        count -= len(vertices)
+        yield eye, vertices

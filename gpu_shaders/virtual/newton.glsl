@@ -16,6 +16,10 @@ uniform vec3 sample_starts[SAMPLES * ORDER];  // where they are reflected, as di
 const float LONGEST_STEP = 0.7, LONGEST_IN_PATCH = 0.5;
 const float DONE = 1e-6;
 const float BACK = 1e30;          // the error of a point that faces away from the eye
+const float GRAZING = 0.05;       // sine of both ways' heights above the surface, added
+// What is so little below the surface, as a sine, counts as above: floats hold the surface to 1e-7 of its size, and the
+// root of twice that is what they tell of what just touches it.
+const float LEVEL = 5e-4;
 const int HALVINGS = 12;
 
 // The bisector of the ways from a point to where the path comes from and goes on.
@@ -26,6 +30,8 @@ struct Bisector {
     float lean;                  // off the normal, as a tangent
     float nearness;              // the inverses of both lengths, added
     vec3 off;                    // along the surface, over nearness: about how far the point is from its place
+    vec3 across;                 // unit, along the surface, from way to way where both graze it; 0 where they do not
+    float heights;               // of both ways, added, over how far they go apart
 };
 
 vec4 way_to(vec4 to, vec3 from) {
@@ -51,24 +57,32 @@ Bisector bisector_at(Point p, vec4 from, vec4 next) {
     b.to_from = way_to(from, p.position);
     b.to_next = way_to(next, p.position);
     float height_from = dot(b.to_from.xyz, b.normal), height_next = dot(b.to_next.xyz, b.normal);
-    b.side_from = height_from < 0.0 ? -1.0 : 1.0;
-    b.side_next = height_next < 0.0 ? -1.0 : 1.0;
+    b.side_from = height_from < -LEVEL ? -1.0 : 1.0;
+    b.side_next = height_next < -LEVEL ? -1.0 : 1.0;
     b.nearness = max(b.to_from.w + b.to_next.w, 1e-30);
     vec3 off = flattened(b.to_from.xyz + b.to_next.xyz, b.normal);
     // Where both ways graze the surface their sum is a difference of cosines, which has no digits left: heights have.
-    vec3 across = flattened(b.to_from.xyz - b.to_next.xyz, b.normal);
-    float square = dot(across, across);
-    float exact = (height_next - height_from) * (height_next + height_from);
-    if (square > 0.01) off += across * ((exact - dot(off, across)) / square);
-    b.lean = length(off) / max(abs(height_from) + abs(height_next), 1e-9);
+    vec3 apart = flattened(b.to_from.xyz - b.to_next.xyz, b.normal);
+    float inverse = inversesqrt(max(dot(apart, apart), 1e-30));
+    float heights = abs(height_from) + abs(height_next);
+    b.heights = heights * inverse;
+    b.across = b.heights < GRAZING ? apart * inverse : vec3(0.0);
+    float higher = b.side_next * height_next - b.side_from * height_from;
+    off += b.across * (higher * b.heights - dot(off, b.across));
+    b.lean = length(off) / max(heights, 1e-9);
     b.off = off / b.nearness;
     return b;
 }
 
-// How `off` changes when the ways and the normal turn, and the ways' inverse lengths grow.
-vec3 change(Bisector b, vec3 turn, float nearer, vec3 normal_turn) {
+// How `off` changes when the ways and the normal turn, and the ways' inverse lengths grow. Where both ways graze the
+// surface it counts across how their heights change: that brings them level, however far they are aside.
+vec3 change(Bisector b, vec3 turn_from, vec3 turn_next, float nearer, vec3 normal_turn) {
     vec3 sum = b.to_from.xyz + b.to_next.xyz;
-    return (flattened(turn, b.normal) - dot(sum, b.normal) * normal_turn - b.off * nearer) / b.nearness;
+    vec3 changed = flattened(turn_from + turn_next, b.normal) - dot(sum, b.normal) * normal_turn;
+    vec3 apart = b.side_next * b.to_next.xyz - b.side_from * b.to_from.xyz;
+    float rising = dot(b.side_next * turn_next - b.side_from * turn_from, b.normal) + dot(apart, normal_turn);
+    changed += b.across * (rising * b.heights - dot(changed, b.across));
+    return (changed - b.off * nearer) / b.nearness;
 }
 
 // How the inverse of a way's length grows when its beginning moves.
@@ -79,13 +93,18 @@ float nearing(vec4 way, vec3 along) {
 // When the point itself moves along its surface.
 vec3 change_here(Point p, Bisector b, vec3 along, vec3 normal_along) {
     vec3 normal_turn = flattened(normal_along, b.normal) * inversesqrt(max(dot(p.normal, p.normal), 1e-30));
-    vec3 turn = turned(b.to_from, along) + turned(b.to_next, along);
-    return change(b, turn, nearing(b.to_from, along) + nearing(b.to_next, along), normal_turn);
+    float nearer = nearing(b.to_from, along) + nearing(b.to_next, along);
+    return change(b, turned(b.to_from, along), turned(b.to_next, along), nearer, normal_turn);
 }
 
-// When one of the ways' ends moves.
-vec3 change_there(Bisector b, vec4 way, vec3 along) {
-    return change(b, -turned(way, along), -nearing(way, along), vec3(0.0));
+// When where the path comes from moves.
+vec3 change_from(Bisector b, vec3 along) {
+    return change(b, -turned(b.to_from, along), vec3(0.0), -nearing(b.to_from, along), vec3(0.0));
+}
+
+// When where it goes on to moves.
+vec3 change_next(Bisector b, vec3 along) {
+    return change(b, vec3(0.0), -turned(b.to_next, along), -nearing(b.to_next, along), vec3(0.0));
 }
 
 // Two vectors along the surface as the surface's own directions see them.
@@ -116,10 +135,13 @@ Place moved(int part, Place from, vec2 step) {
     return is_whole(part) ? place_of(part, direction_of(to)) : to;
 }
 
-// How the bisector leans at an angle from the eye, on a sphere of radius 1; `to_vertex` in the plane of eye and vertex.
+// Which way the bisector leans at an angle from the eye, on a sphere of radius 1; `to_vertex` in the plane of eye and
+// vertex. Times what is above 0 there, since the lean itself is a difference of cosines where both ways graze.
 float sphere_lean(float angle, vec4 to_eye, vec2 to_vertex) {
     vec2 normal = vec2(cos(angle), sin(angle)), along = vec2(-normal.y, normal.x);
-    return dot(normalize(to_eye.xy - to_eye.w * normal) + normalize(to_vertex - normal), along);
+    vec2 eye_way = normalize(to_eye.xy - to_eye.w * normal), vertex_way = normalize(to_vertex - normal);
+    float eye_height = dot(eye_way, normal), vertex_height = dot(vertex_way, normal);
+    return (eye_height + vertex_height) * (eye_height * dot(vertex_way, along) + vertex_height * dot(eye_way, along));
 }
 
 // Where the search on a whole body begins: where a ball would reflect the vertex (Alhazen), between the point nearest
@@ -169,18 +191,23 @@ int nearest_sample(vec3 vertex) {
 vec4 search(vec3 start, vec3 vertex) {
     Place best = place_of(0, start);
     vec2 step = vec2(0.0);
-    float least = 2.0 * BACK, lean = BACK;
+    mat3x2 to_step = mat3x2(0.0);
+    float least = BACK, lean = BACK;
     for (int i = 0; i <= steps; ++i) {
         Place now = moved(0, best, step);
         Point p = point_at(0, now);
         Bisector b = bisector_at(p, eye, vec4(vertex, 1.0));
-        float off = is_whole(0) && b.side_from < 0.0 ? BACK : length(b.off);
-        if (off < least) {
-            least = off;
+        bool back = is_whole(0) && b.side_from < 0.0;
+        // A step is good if the next would be shorter as this one was found (Deuflhard, *Newton methods for nonlinear
+        // problems*, 2004, 3.3). Along a horizon the length of `off` itself is all noise from aside.
+        if (i == 0 || !back && length(to_step * b.off) < least) {
             best = now;
             lean = b.side_from * b.side_next * b.lean;
             mat2 pp = seen_along(p, change_here(p, b, p.along_u, p.normal_u), change_here(p, b, p.along_v, p.normal_v));
-            step = shortened(-inverse_of(pp) * seen_along(p, b.off), 0);
+            to_step = -inverse_of(pp) * transpose(mat2x3(p.along_u, p.along_v));
+            step = to_step * b.off;
+            least = back ? BACK : length(step);
+            step = shortened(step, 0);
         } else {
             step *= 0.5;
         }
@@ -211,8 +238,8 @@ vec4 search(vec3 start, vec3 vertex) {
             best_2 = now_2;
             lean = min(a.side_from * a.side_next, b.side_from * b.side_next) * max(a.lean, b.lean);
             mat2 pp = seen_along(p, change_here(p, a, p.along_u, p.normal_u), change_here(p, a, p.along_v, p.normal_v));
-            mat2 pq = seen_along(p, change_there(a, a.to_next, q.along_u), change_there(a, a.to_next, q.along_v));
-            mat2 qp = seen_along(q, change_there(b, b.to_from, p.along_u), change_there(b, b.to_from, p.along_v));
+            mat2 pq = seen_along(p, change_next(a, q.along_u), change_next(a, q.along_v));
+            mat2 qp = seen_along(q, change_from(b, p.along_u), change_from(b, p.along_v));
             mat2 qq = seen_along(q, change_here(q, b, q.along_u, q.normal_u), change_here(q, b, q.along_v, q.normal_v));
             vec2 off_1 = seen_along(p, a.off), off_2 = seen_along(q, b.off);
             mat2 without = inverse_of(pp);
