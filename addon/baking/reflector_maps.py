@@ -141,7 +141,7 @@ def reflector_maps(
     `settings` holds the values of SIZE, FINER and SPREAD; what `cache` holds is not baked again.
     """
     size, levels, spread = settings[SIZE.name], settings[FINER.name], settings[SPREAD.name]
-    key = key_of(KIND, 5, mesh.positions, mesh.triangles, mesh.normals, size, levels, spread)
+    key = key_of(KIND, 6, mesh.positions, mesh.triangles, mesh.normals, size, levels, spread)
     if cache and (kept := cache.get(KIND, key)):
         return _unpacked(kept.arrays)
     progress("splitting reflectors", 0.0)
