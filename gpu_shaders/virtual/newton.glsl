@@ -198,15 +198,17 @@ vec4 search(vec3 start, vec3 vertex) {
         Point p = point_at(0, now);
         Bisector b = bisector_at(p, eye, vec4(vertex, 1.0));
         bool back = is_whole(0) && b.side_from < 0.0;
-        // A step is good if the next would be shorter as this one was found (Deuflhard, *Newton methods for nonlinear
-        // problems*, 2004, 3.3). Along a horizon the length of `off` itself is all noise from aside.
-        if (i == 0 || !back && length(to_step * b.off) < least) {
+        // How far off: on a convex body, the next step as the last one was found (Deuflhard, *Newton methods for
+        // nonlinear problems*, 2004, 3.3), since `off` itself is all noise from aside along the horizon. Patches have
+        // inflections, where steps tell nothing.
+        float far = is_whole(0) ? length(to_step * b.off) : length(b.off);
+        if (i == 0 || !back && far < least) {
             best = now;
             lean = b.side_from * b.side_next * b.lean;
             mat2 pp = seen_along(p, change_here(p, b, p.along_u, p.normal_u), change_here(p, b, p.along_v, p.normal_v));
             to_step = -inverse_of(pp) * transpose(mat2x3(p.along_u, p.along_v));
             step = to_step * b.off;
-            least = back ? BACK : length(step);
+            least = back ? BACK : is_whole(0) ? length(step) : length(b.off);
             step = shortened(step, 0);
         } else {
             step *= 0.5;
