@@ -234,6 +234,7 @@ def test_a_film_shows_reference_method_and_what_was_retraced(flight, tmp_path, c
     assert reddened[0] > 20.0 > 0.0 > reddened[1:].max()
     with av.open(str(films[1])) as film:
         assert film.streams.video[0].width == 2 * 48 + 4
+        assert sum(1 for _ in film.decode(video=0)) == 4
 
 
 def test_without_pyav_a_film_is_a_folder_of_pictures(flight, tmp_path, monkeypatch):
