@@ -7,6 +7,9 @@ from ..addon.scene import Lighting, Scene
 NOISE = 0.006
 """FLIP over the reflectors that a reference which chooses its samples itself may have of its own."""
 
+LEAST = 64
+"""The samples at which it stops first: half of fewer would be too few for the methods' own edges."""
+
 MOST = {Lighting.UNLIT: 512, Lighting.CYCLES: 1024, Lighting.DIRECT: 512}
 """The samples at which it stops in any case. Without light, only edges are noisy."""
 
@@ -21,7 +24,7 @@ _LEAST_SIDE, _MOST_SIDE = 2, 16
 
 def enough(scene: Scene, lighting: Lighting, size: tuple[int, int]) -> Enough:
     """Samples for a reference whose own noise is not laid at the methods' door."""
-    return Enough(reflectors_seen(scene, *size), NOISE, MOST[lighting])
+    return Enough(reflectors_seen(scene, *size), NOISE, LEAST, MOST[lighting])
 
 
 def supersampling(samples: int, against: str | None = None) -> int:

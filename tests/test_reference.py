@@ -307,7 +307,7 @@ def test_samples_go_on_until_the_noise_is_low(mirror_stage, tmp_path, pieces):
         return noise_maps(picture.half, 2 * picture.color - picture.half, hdr=False).over(ball).flip
 
     def taken(bound, most=512, cache=None):
-        return render_reference(scene, extracted, Lighting.UNLIT, 48, 32, Enough(ball, bound, most), cache)
+        return render_reference(scene, extracted, Lighting.UNLIT, 48, 32, Enough(ball, bound, 32, most), cache)
 
     first = taken(1.0)
     assert first.samples == 32
@@ -322,14 +322,15 @@ def test_samples_go_on_until_the_noise_is_low(mirror_stage, tmp_path, pieces):
     assert taken(bound, cache=cache).samples == enough.samples
     assert not pieces
     assert taken(1e-9, most=90).samples == 90
-    nowhere = Enough(np.zeros_like(ball), noise(first), 512)
+    assert render_reference(scene, extracted, Lighting.UNLIT, 48, 32, Enough(ball, 1.0, 44, 512)).samples == 44
+    nowhere = Enough(np.zeros_like(ball), noise(first), 32, 512)
     assert render_reference(scene, extracted, Lighting.UNLIT, 48, 32, nowhere).samples <= enough.samples
 
 
 def test_progress_of_unknown_length_never_goes_back(mirror_stage):
     scene, materials = mirror_stage
     told = []
-    few = Enough(np.ones((16, 24), bool), 1e-9, 128)
+    few = Enough(np.ones((16, 24), bool), 1e-9, 32, 128)
     extracted = stage.as_scene(scene, materials, {"ball"})
     render_reference(scene, extracted, Lighting.UNLIT, 24, 16, few, progress=lambda _, done: told.append(done))
     assert told == sorted(told)

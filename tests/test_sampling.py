@@ -44,6 +44,7 @@ def flight(tmp_path_factory) -> Path:
 def compare(flight, tmp_path, monkeypatch):
     """Compare without saying how many samples; returns the rows. Few are enough, so that it is soon done."""
     monkeypatch.setitem(sampling.MOST, Lighting.UNLIT, 128)
+    monkeypatch.setattr(sampling, "LEAST", 32)
     monkeypatch.setattr(sampling, "NOISE", BOUND)
 
     def run(*options: str) -> list[dict]:

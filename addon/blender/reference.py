@@ -170,7 +170,7 @@ def _half(samples: int) -> int:
 def _until(enough: Enough, taken: Callable[[int, Progress], _Halves], progress: Progress) -> _Halves:
     """`taken` halves that are enough. Which counts are tried hangs on the pictures alone, not on what is cached."""
     most, done = _half(enough.most), 0.1
-    halves = taken(min(CHUNK, most), part_of(progress, 0.0, done))
+    halves = taken(min(_half(enough.least), most), part_of(progress, 0.0, done))
     while halves.count < most:
         needed = halves.count * enough.more(halves.first, halves.second)
         if not needed > halves.count:

@@ -14,12 +14,13 @@ _FALL = 2 / 3
 class Enough:
     """Samples until the reference's own noise is no more than `noise`: FLIP, the mean over `pixels` (H, W) bool.
 
-    It is the figure that `noise_maps` gives; over the whole frame where `pixels` has none. There are never more
-    than `most` samples.
+    It is the figure that `noise_maps` gives; over the whole frame where `pixels` has none. There are `least` samples
+    at least, and `most` at most.
     """
 
     pixels: np.ndarray
     noise: float
+    least: int
     most: int
 
     def more(self, first_half: np.ndarray, second_half: np.ndarray) -> float:
