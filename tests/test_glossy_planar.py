@@ -286,7 +286,9 @@ def test_the_samples_of_a_pixel_share_out_the_lobe():
     """One ray a sample: with four times the samples the noise is a third, where chance alone makes it a half."""
     scene = lamps_over(replace(METAL, roughness=grey(0.4)))
     many = rendered(scene, samples=8, rays=16)
-    few, some = (rms(in_blocks((rendered(scene, samples=side, rays=1) - many).reshape(-1, 3))) for side in (2, 4))
+    few, some = (
+        rms(in_blocks((rendered(scene, samples=side, rays=1, shared=1) - many).reshape(-1, 3))) for side in (2, 4)
+    )
     assert some < 0.4 * few
 
 
@@ -299,7 +301,9 @@ def test_a_ray_shows_the_mean_of_what_it_stands_for(roughness, noise):
     over = lamps_over(replace(METAL, roughness=grey(roughness)), images=(Image("chequers", pixels),), boxes=False)
     wall = Instance("wall", 0, placed((0.0, 4.0, 0.0), turn=np.pi / 2.0, axis=(1.0, 0.0, 0.0)), (1,))
     scene = replace(over, instances=(*over.instances, wall), materials=(over.materials[0], glow))
-    few, many = (rendered(scene, samples=1, rays=count)[HEIGHT // 2 + 4 : HEIGHT // 2 + 20] for count in (4, 256))
+    few, many = (
+        rendered(scene, samples=1, rays=count, coarser=1)[HEIGHT // 2 + 4 : HEIGHT // 2 + 20] for count in (4, 256)
+    )
     assert many.mean() > 0.2
     assert rms(few - many) < noise * many.mean()
 

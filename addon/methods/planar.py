@@ -173,13 +173,17 @@ class Planar(DeferredMethod):
             if seen.shows(partial(self._draw_mark, mirror, seen)):
                 picture = self._look_into(mirror, bounds, view, seen, sample["offset"])
                 target.scissor = bounds
-                self.draw_pass(partial(self._bind_shown, picture), view, seen, target, **sample)
+                self.show(picture, view, seen, target, **sample)
         target.scissor = whole
         for index in self._rests:
-            self._bind_mirror(self._rest.shader, index, 0)
+            self.bind_mirror(self._rest.shader, index, 0)
             self._rest.shader["reflections"] = reflections_left(self.scene, view)
             self.bind_sample(self._rest.shader, view, sample["offset"])
             self._rest.draw(view.camera, seen, target, **sample)
+
+    def show(self, picture: Picture, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
+        """Add to `target` what a mirror shows."""
+        self.draw_pass(partial(self.bind_shown, picture), view, seen, target, **sample)
 
     def _in_sight(self, view: View, size: tuple[int, int]) -> Iterator[tuple[Mirror, Bounds]]:
         """The mirrors that may be seen, facing the camera, and where on the screen."""
@@ -196,13 +200,17 @@ class Planar(DeferredMethod):
     def _draw_mark(self, mirror: Mirror, seen: Visibility) -> None:
         seen.texture.use(FREE_UNIT)
         self._mark["visibility"], self._mark["depth"] = FREE_UNIT, _FAR_END
-        self._bind_mirror(self._mark, mirror.instance, mirror.part)
+        self.bind_mirror(self._mark, mirror.instance, mirror.part)
         screen(self._mark).render(vertices=3)
 
     def registration(self, mirror: Mirror, view: View, screen: tuple[int, int]) -> Registration:
         """How large a mirror's picture is in a view, and how it lies on its screen."""
         softened = self.clipping is Clipping.PROJECTIVE_TEXTURE and not view.mirrored
         return Registration(screen, self.settings["scale"] if softened else 1)
+
+    def offset_within(self, lies: Registration, offset: tuple[float, float]) -> tuple[float, float]:
+        """Where in its own pixels a mirror's picture is sampled: where the screen's pixels are."""
+        return offset[0] / lies.scale, offset[1] / lies.scale
 
     def _look_into(self, mirror: Mirror, bounds: Bounds, view: View, seen: Visibility, offset) -> "Picture":
         """What the mirror shows, at its place on the screen."""
@@ -219,7 +227,7 @@ class Planar(DeferredMethod):
             partial(self._draw_mark, mirror, seen),
         )
         through = View(camera, *canvas.size, view.samples, view.mirrored + 1, opening)
-        offset = offset[0] / lies.scale, offset[1] / lies.scale
+        offset = self.offset_within(lies, offset)
         self.ensemble.paint_mirrored(through, canvas, offset)
         return Picture(mirror, through, canvas, lies, offset)
 
@@ -231,13 +239,15 @@ class Planar(DeferredMethod):
             self._canvases[level] = Canvas(*size, stencil=self.clipping in NEED_STENCIL)
         return self._canvases[level]
 
-    def _bind_mirror(self, shader: moderngl.Program, index: int, part: int) -> None:
+    def bind_mirror(self, shader: moderngl.Program, index: int, part: int) -> None:
+        """Tell a shader which mirror is meant: a flat part of an instance, 0 for what is not flat of it."""
         self._parts.use(_PARTS_UNIT)
         shader["mirror_parts"] = _PARTS_UNIT
         shader["mirror"] = index, part, self._first[index]
 
-    def _bind_shown(self, picture: "Picture", shader: moderngl.Program) -> None:
-        self._bind_mirror(shader, picture.mirror.instance, picture.mirror.part)
+    def bind_shown(self, picture: "Picture", shader: moderngl.Program) -> None:
+        """Tell a shader which mirror is meant, and what it shows."""
+        self.bind_mirror(shader, picture.mirror.instance, picture.mirror.part)
         self.bind_picture(shader, picture)
 
     def bind_picture(self, shader: moderngl.Program, picture: "Picture") -> None:

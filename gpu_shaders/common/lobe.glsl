@@ -107,8 +107,10 @@ vec2 random(int ray, int turn) {
     return fract(random(0) + hashed(uvec2(ray, turn)));
 }
 
-// Even over the pixels of every square of `side` by `side`, and yet other in each.
-vec2 shared_random(int side) {
+// Even over the pixels of every square of `side` by `side` and the samples of each, of which this is `number`, and yet
+// other in each square.
+vec2 shared_random(int side, int number) {
     ivec2 place = ivec2(gl_FragCoord.xy) % side;
-    return fract(even(place.x + side * place.y) + hashed(uvec2(gl_FragCoord.xy)) / float(side));
+    vec2 other = hashed(uvec2(gl_FragCoord.xy) + 7919u * uint(number));
+    return fract(even(place.x + side * (place.y + side * number)) + other / float(side));
 }

@@ -9,12 +9,24 @@ uniform ivec2 corner;  // where the picture begins in its target, in pixels
 
 const float FAR = 1e30;
 
+#ifndef STRIDE
+#define STRIDE 1  // a pass draws one pixel of each square of so many by so many, on a target as much smaller
+#endif
+
+#if STRIDE == 1
+ivec2 own_pixel() {
+    return ivec2(gl_FragCoord.xy) - corner;
+}
+#else
+ivec2 own_pixel();  // of its square
+#endif
+
 Ray pixel_ray(ivec2 pixel) {
     return camera_ray((vec2(pixel) + 0.5) / vec2(textureSize(visibility, 0)));
 }
 
 Ray pixel_ray() {
-    return pixel_ray(ivec2(gl_FragCoord.xy) - corner);
+    return pixel_ray(own_pixel());
 }
 
 // `instance` is NONE where the pixel shows the world.
@@ -28,5 +40,5 @@ Hit pixel_hit(Ray ray, ivec2 pixel) {
 }
 
 Hit pixel_hit(Ray ray) {
-    return pixel_hit(ray, ivec2(gl_FragCoord.xy) - corner);
+    return pixel_hit(ray, own_pixel());
 }

@@ -36,8 +36,9 @@ void show(Surface s, Ray ray);  // writes what the shader's own outputs are
 #endif
 
 void main() {
-    Ray ray = pixel_ray();
-    Hit hit = pixel_hit(ray);
+    ivec2 pixel = own_pixel();
+    Ray ray = pixel_ray(pixel);
+    Hit hit = pixel_hit(ray, pixel);
     if (hit.instance == NONE || !is_reflector(hit.instance)) discard;
     Surface s = surface_at(hit, ray.direction);
     if (!s.reflects) discard;

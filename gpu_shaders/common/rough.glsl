@@ -3,6 +3,7 @@
 //
 // With SHARED, a number of pixels, only one ray is sent for each pixel and kept apart; the pixels of a square with that
 // side then look along the rays of each other (rough/shared.frag), and what steps that leaves is evened (even.frag).
+// With a STRIDE of 2 only one pixel of every four sends a ray; the shader then says which pixels may.
 
 #include "common/reflection.glsl"
 #include "common/lobe.glsl"
@@ -46,6 +47,8 @@ Mirrored mirrored_light(Surface s, vec3 direction) {
 
 #else
 
+#include "rough/squares.glsl"
+
 layout(location = 0) out vec4 arrived;  // radiance along the pixel's ray; its density, 0 without a ray, or ALONE
 layout(location = 1) out vec4 end;      // of the ray, in the world, or how far away that is; metres from the viewer
 
@@ -56,29 +59,49 @@ const float NEAREST_END = 1e-3;  // of the way from the viewer: what rounding le
 
 // Whether what the neighbours mirror is not what this pixel does.
 bool is_narrow(Surface s, vec3 direction) {
-    vec3 beside = camera_ray((gl_FragCoord.xy - vec2(corner) + 1.0) / vec2(textureSize(visibility, 0))).direction;
+    vec3 beside = camera_ray((vec2(own_pixel()) + 1.5) / vec2(textureSize(visibility, 0))).direction;
     vec3 turns = fwidth(s.normal);
     return alpha_of(s) * -dot(direction, s.normal) < NARROW * distance(beside, direction) + length(turns);
 }
 
+#if STRIDE > 1
+
+bool may_send(uvec2 seen);  // what the visibility pass found at a pixel
+
+ivec2 own_pixel() {
+    ivec2 square = STRIDE * ivec2(gl_FragCoord.xy), last = textureSize(visibility, 0) - 1;
+    for (int i = 0; i < STRIDE * STRIDE; ++i) {
+        ivec2 pixel = min(square + first_in_square(first_ray / rays + i), last);
+        if (may_send(texelFetch(visibility, pixel, 0).xy)) return pixel;
+    }
+    return square;
+}
+
+#endif
+
 void show(Surface s, Ray ray) {
+#if STRIDE == 1
     bool narrow = is_narrow(s, ray.direction);
+#else
+    const bool narrow = false;
+#endif
     if (!is_shown(s)) discard;
-    float alpha = alpha_of(s), away = distance(s.position, ray.origin);
-    if (narrow || alpha < SHARP) {
+    float away = distance(s.position, ray.origin);
+    if (narrow || alpha_of(s) < SHARP) {
         Mirrored there;
-        if (alpha < SHARP) there = sharp_light(s, ray.direction);
+        if (alpha_of(s) < SHARP) there = sharp_light(s, ray.direction);
         else there = rough_light(s, ray.direction);
         arrived = vec4(there.radiance, ALONE);
         end = vec4(there.distance, 0.0, 0.0, away);
         return;
     }
     Lobe lobe = lobe_of(s, ray.direction);
-    Facet facet = facet_of(lobe, s, shared_random(SHARED));
+    Facet facet = facet_of(lobe, s, shared_random(SHARED, first_ray / rays));
     Mirrored there = Mirrored(vec3(0.0), FAR);
-    if (facet.kept != vec3(0.0)) there = light_along(s, lobe, facet, 0, SHARED * SHARED);
+    if (facet.kept != vec3(0.0)) there = light_along(s, lobe, facet, 0, SHARED * SHARED * all_rays / rays);
     arrived = vec4(there.radiance, facet.density);
-    end = vec4(s.position + clamp(there.distance, NEAREST_END * away, NO_END) * facet.direction, away);
+    vec3 met = s.position + clamp(there.distance, NEAREST_END * away, NO_END) * facet.direction;
+    end = vec4(met, marked(away, own_pixel() - STRIDE * ivec2(gl_FragCoord.xy)));
 }
 
 #endif

@@ -14,7 +14,7 @@ uniform float reach;               // metres: where an orthographic camera's ray
 uniform float focus;               // texels to a metre, a metre away; an orthographic camera's anywhere
 
 const int MOST_STEPS = 8, HALVINGS = 4, NARROWINGS = 3;
-const float STRIDE = 1.0;          // texels: what is nearer together is not told apart
+const float FINEST = 1.0;          // texels: what is nearer together is not told apart
 const float LAST = 0.9995;         // of the way to infinity, as the screen shows it
 const float FRONT = 0.15;          // of a step: how deep behind a front a halved ray may be
 const float GRAIN = 0.002;         // of the way from the eye: how uneven depth is within a texel
@@ -91,7 +91,7 @@ float texels(Way way, vec2 span) {
 vec2 narrowed(Way way, out float across) {
     vec2 span = vec2(0.0, LAST);
     across = texels(way, span);
-    for (int i = 0; i < NARROWINGS && across > STRIDE; ++i) {
+    for (int i = 0; i < NARROWINGS && across > FINEST; ++i) {
         int level = int(ceil(log2(across + 1.0)));
         if (level > levels) return span;
         vec2 range = range_at(way, place_at(way, metres(way, span.x)), level);
@@ -124,8 +124,8 @@ vec2 follow(Way way, float jitter, out float t) {
     float across;
     vec2 span = narrowed(way, across);
     float before = metres(way, span.x), open = before;
-    if (across > STRIDE) {
-        float steps = min(ceil(across / STRIDE), float(MOST_STEPS));
+    if (across > FINEST) {
+        float steps = min(ceil(across / FINEST), float(MOST_STEPS));
         for (float i = jitter; i < steps + float(span.y < LAST); i += 1.0) {
             float part = min(i / steps, 1.0), at = metres(way, mix(span.x, span.y, part * part)), deep;
             if (behind(way, at) < 0.0) {
@@ -157,6 +157,10 @@ vec3 radiance_at(Way way, vec2 place, float t, float width) {
 
 bool is_shown(Surface s) {
     return shows_mirror(s.at.instance, s.at.triangle);
+}
+
+bool may_send(uvec2 seen) {
+    return shows_mirror(int(seen.x) - 1, int(seen.y));
 }
 
 // What lies straight behind the mirror is at the pixel's own place, within the margin.

@@ -3,14 +3,14 @@
 
 #include "common/picture.glsl"
 #include "rough/normals.glsl"
+#include "rough/sent.glsl"
 
 uniform sampler2D light;  // as rough/shared.frag writes them
 uniform sampler2D kept;
 uniform sampler2D beside;
-uniform sampler2D ends;   // as common/rough.glsl
 uniform float weight;     // of this sample in the pixel
 
-layout(location = 0) out vec4 color;
+layout(location = 0) out vec4 color;  // with a STRIDE above 1, over what a perfect mirror keeps, and 1
 layout(location = 1) out float distance_to_hit;
 layout(location = 2) out vec4 reflection;
 
@@ -23,9 +23,10 @@ struct Seen {
 };
 
 Seen seen_at(ivec2 pixel) {
-    Ray sight = camera_ray((vec2(pixel) + 0.5) / vec2(textureSize(light, 0)));
+    float away = texelFetch(ends, pixel, 0).w;
+    Ray sight = pixel_ray(pixel_of(pixel, away));
     vec4 there = texelFetch(light, pixel, 0);
-    vec3 position = sight.origin + texelFetch(ends, pixel, 0).w * sight.direction;
+    vec3 position = sight.origin + away * sight.direction;
     return Seen(position, unpacked_normal(texelFetch(beside, pixel, 0).w), there.w, there.rgb);
 }
 
@@ -36,9 +37,10 @@ float apart(Seen own, Seen other, vec3 sight, float away) {
     return length(across) * (max(own.nearness, other.nearness) + 1.0 / away) + 2.0 * distance(own.normal, other.normal);
 }
 
+// Beside the mirror, what `kept` holds is an earlier picture's.
 bool is_rough(ivec2 pixel) {
     bool inside = all(greaterThanEqual(pixel, ivec2(0))) && all(lessThan(pixel, textureSize(kept, 0)));
-    return inside && texelFetch(kept, pixel, 0).w > 0.0;
+    return inside && texelFetch(kept, pixel, 0).w > 0.0 && texelFetch(ends, pixel, 0).w > 0.0;
 }
 
 void main() {
@@ -51,7 +53,7 @@ void main() {
         return;
     }
     Seen own = seen_at(here);
-    vec3 sight = camera_ray((vec2(here) + 0.5) / vec2(textureSize(light, 0))).direction;
+    vec3 sight = pixel_ray(pixel_of(here, end.w)).direction;
     float wide = OFF * share.w;
     ivec2 stride = ivec2(1);
     for (int axis = 0; axis < 2; ++axis) {
@@ -70,6 +72,10 @@ void main() {
         sum += counts * other.light;
         total += counts;
     }
+#if STRIDE > 1
+    color = vec4(share.rgb * sum / total, 1.0);
+    return;
+#endif
     vec3 under = texelFetch(beside, here, 0).rgb;
     reflection = color = weight * vec4(share.rgb * sum / total + under, 0.0);
     distance_to_hit = distance(end.xyz, own.position);

@@ -1,15 +1,16 @@
 """What a reflection costs: each method against `environment-map`, dense meshes against light ones, EEVEE.
 
-Run: python tests/benchmarks/reflections.py [--part ratios|density|eevee|memory|glossy|planar|virtual|traced]
+Run: python tests/benchmarks/reflections.py [--part ratios|density|eevee|memory|glossy|roughness|planar|virtual|traced]
     [--scenes a,b]
 
 `ratios` prints the reflection pass over that of `environment-map`, beside Zhang et al., Table 2
 (reflection over reflector). `density` gives the same object 1,500 to 1,000,000 triangles. `eevee`
 times a frame against EEVEE's sample, with the error of both. `memory` prints a process's peak. `glossy` prints
 the columns of figure 9 of the paper on glossy planar reflections, for its scene at its 1280 × 1024 pixels,
-and `planar` each way to clip a perfect mirror there and at 640 × 512. `virtual` prints the grids of section 7 of the
-paper on reflector cube maps, and how near its search and ours come step by step. `traced`
-holds both tracers against Embree and each other, and builds the tree of 1,000,000 triangles.
+and `planar` each way to clip a perfect mirror there and at 640 × 512. `roughness` prints the FLIP of both glossy
+methods over floors of four roughnesses; Cycles takes an hour for their references of `--samples` the first time.
+`virtual` prints the grids of section 7 of the paper on reflector cube maps, and how near its search and ours come
+step by step. `traced` holds both tracers against Embree and each other, and builds the tree of 1,000,000 triangles.
 Other times are medians of frames at 768 × 512, one sample a pixel.
 """
 
@@ -40,6 +41,7 @@ from catoptric.batch.footage import lit
 from catoptric.batch.sources import locate
 from catoptric.scenes import path_of
 from catoptric.tests.ray_stage import agreement
+from glossy_roughness import roughness
 from virtual_grids import virtual
 
 SIZE = (768, 512)
@@ -237,11 +239,13 @@ def main() -> None:
         "--part", nargs="+", default=["ratios", "density", "eevee", "memory", "glossy", "planar", "virtual", "traced"]
     )
     parser.add_argument("--scenes", default=",".join((*PAPER, *ROOM_SCENES)))
+    parser.add_argument("--samples", type=int, default=256, help="of Cycles, by the part roughness")
     given = parser.parse_args()
     renderer = call(lambda: require().info["GL_RENDERER"])
     print(f"{renderer}: {'software rendering, compare times with each other only' if is_software(renderer) else 'GPU'}")
     parts = {"ratios": lambda: ratios(given.scenes.split(",")), "density": density, "memory": memory, "glossy": glossy}
     parts |= {"planar": planar, "virtual": virtual, "traced": traced}
+    parts["roughness"] = lambda: roughness(samples=given.samples)
     parts["eevee"] = lambda: eevee(["mirror-ball"])
     for part in given.part:
         print(f"\n{part}")
