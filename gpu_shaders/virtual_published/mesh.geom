@@ -20,7 +20,7 @@ flat out ivec2 source;
 flat out int straddles;      // whether a part of it may be hidden
 
 const float ALL = 0.999;     // of what is interpolated
-const float HIDDEN = 1.5;    // above it, no ray comes by the vertex: nothing of the triangle is seen either
+const float HIDDEN = 1.5;    // above it, the vertex has no image, and so the triangle has none
 
 void main() {
     vec3 hidden = vec3(image[0].w, image[1].w, image[2].w);

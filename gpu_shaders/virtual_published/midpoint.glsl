@@ -88,9 +88,9 @@ bool is_lost(Sight s) {
     return s.turned_away || s.error > LOST;
 }
 
-// xyz: the virtual vertex, mirrored about the tangent plane; w: 0, or 1 where the vertex is hidden by the reflector
-// or not reflected by the part.
+// xyz: the virtual vertex, mirrored about the tangent plane; w: 0, or 1 where the vertex is hidden by the reflector, or
+// 2 where the part does not reflect it, so that its place says nothing.
 vec4 virtual_vertex(Sight s, vec3 vertex) {
     float height = dot(vertex - s.position, s.normal);
-    return vec4(vertex - 2.0 * height * s.normal, s.hidden || is_lost(s) ? 1.0 : 0.0);
+    return vec4(vertex - 2.0 * height * s.normal, is_lost(s) ? 2.0 : s.hidden ? 1.0 : 0.0);
 }

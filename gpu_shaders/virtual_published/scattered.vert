@@ -5,11 +5,10 @@
 in vec3 position;
 in int part;
 
-out vec4 image;  // the virtual vertex; w: 0, or 1 where it is hidden by the reflector, 2 where none was found
+out vec4 image;  // the virtual vertex; w: 0, or 1 where it is hidden by the reflector,
+                 // 2 where the part does not reflect it
 
 void main() {
     choose_part(part);
-    Sight s = follow(position);
-    image = virtual_vertex(s, position);
-    if (is_lost(s)) image.w = 2.0;
+    image = virtual_vertex(follow(position), position);
 }
