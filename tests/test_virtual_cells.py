@@ -9,7 +9,7 @@ from catoptric.addon.methods.virtual import refining
 from catoptric.addon.methods.virtual.bundles import Bundle
 from catoptric.addon.methods.virtual.cells import FEW, NOWHERE, Forest, refined
 from catoptric.addon.methods.virtual_objects_published import VirtualObjectsPublished
-from catoptric.addon.tracing import EDGES, cell_tree
+from catoptric.addon.tracing import cell_tree
 
 from .mirror_stage import differing, frame_of, truth
 from .stage import looking, placed, scene_of
@@ -17,7 +17,6 @@ from .test_virtual_objects import torus
 from .test_virtual_objects_published import floor, sphere, tessellated
 
 PICTURE = (160, 120)
-BOUNDS = -1000, -1000, 1000, 1000
 CORNERS = np.array([[x, y, z] for z in (0, 1) for y in (0, 1) for x in (0, 1)])
 
 
@@ -30,10 +29,7 @@ def images_of(found, positions):
     low, high = found.boxes[cell, 0], found.boxes[cell, 1]
     place = np.clip((positions[~own] - low) / np.maximum(high - low, 1e-30), 0.0, 1.0)
     weights = np.where(CORNERS, place[:, None], 1.0 - place[:, None]).prod(axis=2)
-    known = found.results[found.corners[cell]]
-    images[~own] = (weights[..., None] * known[:, :8]).sum(axis=1)
-    bows = known[:, 8:11, :3] - known[:, EDGES, :3].mean(axis=2)
-    images[~own, :3] += (4.0 * (place * (1.0 - place))[..., None] * bows).sum(axis=1)
+    images[~own] = (weights[..., None] * found.results[found.corners[cell]]).sum(axis=1)
     return images
 
 
@@ -49,10 +45,10 @@ def forest_of(count: int = 6000, seed: int = 5) -> Forest:
 def everywhere(axis=(0.0, 0.0, 1.0), spread=4.0) -> Bundle:
     """Rays from the middle that go anywhere, unless their spread is small."""
     none = np.zeros((16, 2, 3))
-    return Bundle((1,), np.zeros(3), 0.0, np.array(axis), spread, BOUNDS, 1, none, ())
+    return Bundle((1,), np.zeros(3), 0.0, np.array(axis), spread, (0, 0, 1, 1), 1, none, ())
 
 
-def looked_at(forest, warp, within, bundle=None, most=np.inf):
+def looked_at(forest, warp, within, bundle=None):
     """What is searched where `warp` says how vertices are reflected, seen as 100 pixels a metre; and how often."""
     asked = []
 
@@ -61,7 +57,7 @@ def looked_at(forest, warp, within, bundle=None, most=np.inf):
         return warp(points).astype(np.float32)
 
     found = refined(
-        forest, [bundle or everywhere()], np.array([[0, 0]]), search, lambda at: 100.0 * at[..., :2], within, most
+        forest, [bundle or everywhere()], np.array([[0, 0]]), search, lambda at: 100.0 * at[..., :2], within
     )
     return found, sum(asked)
 
@@ -87,14 +83,12 @@ def test_no_vertex_is_farther_off_than_asked(within):
     forest = forest_of()
     found, searches = looked_at(forest, swollen, within)
     images, exact = images_of(found, forest.positions), swollen(forest.positions)
-    off = 100.0 * np.linalg.norm((images - exact)[:, :2], axis=1)
-    assert (off < within).mean() > 0.998
-    assert off.max() < 1.5 * within
+    assert 100.0 * np.linalg.norm((images - exact)[:, :2], axis=1).max() < within
     assert searches == len(found.results) - 1
 
 
 def test_less_is_searched_where_less_is_asked():
-    counts = [looked_at(forest_of(), small(swollen), within)[1] for within in (0.02, 0.5, 2.0)]
+    counts = [looked_at(forest_of(), small(swollen), within)[1] for within in (0.02, 0.2, 2.0)]
     assert counts[0] > 1.2 * counts[1] > 2.0 * counts[2]
 
 
@@ -108,7 +102,7 @@ def test_what_is_only_turned_and_small_is_one_cell():
 
 def test_no_cell_is_wide_on_the_screen():
     found, _ = looked_at(forest_of(), bent(0.0), 0.01)
-    assert 100.0 * (found.boxes[:, 1] - found.boxes[:, 0])[:, :2].max() <= 64.0
+    assert 100.0 * (found.boxes[:, 1] - found.boxes[:, 0])[:, :2].max() <= 48.0
 
 
 def test_vertices_beside_a_horizon_are_searched_themselves():
@@ -118,33 +112,19 @@ def test_vertices_beside_a_horizon_are_searched_themselves():
     forest = forest_of()
     found, searches = looked_at(forest, warp, 1.0)
     told = images_of(found, forest.positions)[:, 3]
-    beyond = forest.positions[:, 0] > 0.123
-    assert (told[beyond] > 0.0).mean() > 0.99
-    assert (told[~beyond] < 0.999).mean() > 0.99
+    np.testing.assert_allclose(told, forest.positions[:, 0] > 0.123, atol=1e-6)
     assert searches < 0.5 * len(forest.positions)
-
-
-def test_searches_keep_to_their_number_and_go_where_most_is_off():
-    forest = forest_of()
-    off = []
-    for most in (400, 1000, 2500):
-        found, searches = looked_at(forest, swollen, 0.01, most=most)
-        assert 0.5 * most < searches <= most
-        off.append(
-            100.0 * np.linalg.norm((images_of(found, forest.positions) - swollen(forest.positions))[:, :2], axis=1)
-        )
-    assert off[0].mean() > 1.5 * off[1].mean() > 2.25 * off[2].mean()
 
 
 def test_nothing_is_searched_where_no_ray_goes():
     forest = forest_of()
-    found, searches = looked_at(forest, swollen, 0.1, everywhere((1.0, 0.0, 0.0), 0.2))
+    found, searches = looked_at(forest, bent(0.3), 0.2, everywhere((1.0, 0.0, 0.0), 0.2))
     unseen = images_of(found, forest.positions)[:, 3] == NOWHERE
     away = np.linalg.norm(forest.positions, axis=1)
     off = np.arccos(forest.positions[:, 0] / away)
     assert not unseen[off <= 0.2].any()
     assert unseen[(off > 0.8) & (away > 0.7)].all()
-    assert searches < 0.25 * looked_at(forest, swollen, 0.1)[1]
+    assert searches < 0.25 * looked_at(forest, bent(0.3), 0.2)[1]
 
 
 def test_no_mesh_no_search():
@@ -171,24 +151,18 @@ def mirrors():
     }
 
 
-def inside(shown, bounds):
-    """(N,) whether (N, 2) pixels lie within bounds (N, 4)."""
-    return (shown > bounds[:, :2]).all(axis=1) & (shown < bounds[:, 2:]).all(axis=1)
-
-
 @pytest.fixture
 def refinings(monkeypatch):
     """Of each refinement: images of all vertices in pixels, as they are and as they would be if all were searched, with
-    what tells whether they are hidden, or not shown where their part of the mirror is; how many were searched."""
+    what tells whether they are hidden; how many were searched."""
     seen = []
 
-    def followed(forest, bundles, pairs, search, pixels, within, most):
-        found = refined(forest, bundles, pairs, search, pixels, within, most)
+    def followed(forest, bundles, pairs, search, pixels, within):
+        found = refined(forest, bundles, pairs, search, pixels, within)
         vertices = np.concatenate([np.arange(forest.vertices[mesh], forest.vertices[mesh + 1]) for _, mesh in pairs])
         rows = np.repeat(pairs[:, 0], np.diff(forest.vertices)[pairs[:, 1]])
-        exact = search(rows, forest.positions[vertices]).copy()
+        exact = search(rows, forest.positions[vertices])
         images = images_of(found, forest.positions[vertices])
-        exact[~inside(pixels(exact[:, :3]), np.array([one.bounds for one in bundles])[rows]), 3] = NOWHERE
         seen.append((pixels(images[:, :3]), images[:, 3], pixels(exact[:, :3]), exact[:, 3], len(found.results) - 1))
         return found
 
@@ -196,18 +170,17 @@ def refinings(monkeypatch):
     return seen
 
 
-@pytest.mark.parametrize(("name", "share", "most"), [("ball", 0.995, 2.0), ("ring", 0.98, np.inf)])
-def test_images_stay_within_a_pixel_of_every_vertex_searched(name, share, most, refinings):
-    """But where saddles and hollow parts of the ring show a vertex more than once."""
+@pytest.mark.parametrize("name", mirrors())
+def test_images_stay_within_a_pixel_of_every_vertex_searched(name, refinings):
     scene = mirrors()[name]
     every = frame_of(scene, {"grid": 0}, PICTURE, method=VirtualObjectsPublished)
-    between = frame_of(scene, {"grid": 0, "refine": 1.0}, PICTURE, method=VirtualObjectsPublished)
+    between = frame_of(scene, {"refine": 1.0}, PICTURE, method=VirtualObjectsPublished)
     ((images, told, exact, expected, searches),) = refinings
-    shown = (expected == 0.0) & (told != NOWHERE)
-    assert shown.sum() > 2000
+    shown = (expected == 0.0) & (told != NOWHERE) & (np.abs(exact) < np.array(PICTURE) / 2.0).all(axis=1)
+    assert shown.sum() > 3000
     off = np.linalg.norm(images - exact, axis=1)[shown]
-    assert (off < 1.0).mean() > share
-    assert off.max() < most
+    assert (off < 1.0).mean() > 0.995
+    assert off.max() < 2.0
     assert searches < 0.35 * len(told)
     expected = truth(scene, PICTURE, 2)
     mirror = (every.reflectors > 0) & ~expected.grazing
@@ -219,5 +192,5 @@ def test_the_grid_is_coarser_where_the_mirror_is_small_on_the_screen(refinings):
     scene = mirrors()["ball"]
     far = replace(scene, camera=looking((5.0, -23.0, 9.5)))
     for one in (scene, far):
-        frame_of(one, {"grid": 0, "refine": 1.0}, PICTURE, method=VirtualObjectsPublished)
-    assert refinings[1][4] < 0.6 * refinings[0][4]
+        frame_of(one, {"refine": 1.0}, PICTURE, method=VirtualObjectsPublished)
+    assert refinings[1][4] < 0.5 * refinings[0][4]

@@ -39,8 +39,7 @@ GRID = Parameter(
     "grid",
     "Grid vertices",
     10.0,
-    "Vertices of the grid that are searched, of those of the mesh, which lie between them; 0 searches every vertex, or "
-    "with *Refine until* as many as that takes",
+    "Vertices of the grid that are searched, of those of the mesh, which lie between them; 0 searches every vertex",
     unit="%",
     minimum=0.0,
     maximum=100.0,
@@ -50,8 +49,8 @@ REFINE = Parameter(
     "refine",
     "Refine until",
     0.0,
-    "Cells are cut, view by view, until what lies in them is to be expected no farther than this from where it "
-    "belongs, those first that move most; 0 keeps to grids of equal cells, as published",
+    "Cells are cut, view by view, until what lies in their middles is shown no farther than this from where it "
+    "belongs; 0 keeps to grids of equal cells, as published",
     unit="pixels",
     minimum=0.0,
     maximum=100.0,
@@ -88,8 +87,8 @@ class VirtualObjectsPublished(DeferredMethod):
     by half. Reflectors fall into parts by themselves, and parts out of sight, or objects that no ray of a part can
     meet, are not searched. A mesh too small for a grid of its own is searched whole, if a quarter of all searches is
     enough for these. What has a corner without any reflection point is not drawn. *Refine until* is the level-of-detail
-    grid that the paper leaves to future work: cells in cells, with bent edges, are cut where their middles are not yet
-    where they belong on the screen, the worst first, as far as *Grid vertices* allows.
+    grid that the paper leaves to future work: cells in cells are cut where their middles are not yet where they belong
+    on the screen.
 
     Outputs: as every method.
 

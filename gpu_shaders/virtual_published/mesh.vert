@@ -8,8 +8,7 @@ uniform int result_shift;   // from a point to its result, or a vertex to its ce
 
 in vec3 position;           // in the world
 #if GRID
-uniform isampler2D cells;   // 2 texels a cell: the points at its corners, x fastest; of a refined grid their results,
-                            // and in a third texel those of the middles of three edges, and its own
+uniform isampler2D cells;   // 2 texels a cell: the points at its corners, x fastest; of a refined grid, their results
 #endif
 #if GRID == 1
 in int cell;
@@ -27,12 +26,6 @@ vec4 result_of(int point) {
 }
 
 #if GRID
-#if GRID == 2
-const int ROWS = 3;         // texels a cell
-#else
-const int ROWS = 2;
-#endif
-
 vec4 along_x(ivec2 points, vec3 place) {
     return mix(result_of(points.x), result_of(points.y), place.x);
 }
@@ -42,24 +35,8 @@ vec4 layer(ivec4 points, vec3 place) {
 }
 
 vec4 in_cell(int cell, vec3 place, int shift) {
-    return mix(layer(texelFetch(cells, texel_at(ROWS * cell), 0) + shift, place),
-               layer(texelFetch(cells, texel_at(ROWS * cell + 1), 0) + shift, place), place.z);
-}
-#endif
-
-#if GRID == 2
-// How far an edge's middle lies off the line between its ends.
-vec3 bow(int a, int b, int middle) {
-    return result_of(middle).xyz - 0.5 * (result_of(a).xyz + result_of(b).xyz);
-}
-
-// Each edge along an axis is a parabola, bent as the one of which the middle is known.
-vec3 bent(int cell, vec3 place) {
-    ivec4 low = texelFetch(cells, texel_at(3 * cell), 0), high = texelFetch(cells, texel_at(3 * cell + 1), 0);
-    ivec4 middles = texelFetch(cells, texel_at(3 * cell + 2), 0);
-    vec3 share = 4.0 * place * (1.0 - place);
-    return share.x * bow(high.x, high.y, middles.x) + share.y * bow(low.y, low.w, middles.y)
-         + share.z * bow(low.z, high.z, middles.z);
+    return mix(layer(texelFetch(cells, texel_at(2 * cell), 0) + shift, place),
+               layer(texelFetch(cells, texel_at(2 * cell + 1), 0) + shift, place), place.z);
 }
 #endif
 
@@ -76,8 +53,7 @@ void main() {
     } else {
         vec3 low = texelFetch(cell_boxes, texel_at(2 * told - 2), 0).xyz;
         vec3 size = texelFetch(cell_boxes, texel_at(2 * told - 1), 0).xyz - low;
-        vec3 place = clamp((position - low) / max(size, vec3(1e-30)), 0.0, 1.0);
-        image = in_cell(told - 1, place, 0) + vec4(bent(told - 1, place), 0.0);
+        image = in_cell(told - 1, clamp((position - low) / max(size, vec3(1e-30)), 0.0, 1.0), 0);
     }
 #endif
 }

@@ -26,14 +26,8 @@ from catoptric.scenes import path_of
 GRIDS = {4.1: 12.5, 5.5: 10.5, 9.6: 7.8, 14.3: 6.4}
 """Per cent of the vertices that a grid has, and what the paper gains by it: its frames a second over 1.3."""
 
-SHARES = (*GRIDS, 10.0)
-"""Per cent of the vertices that are searched."""
-
-REFINED = (0.05, 0.2, 1.0)
-"""Pixels that the level-of-detail grid is refined to, however many searches that takes."""
-
-WITHIN = 0.1
-"""Pixels that it is refined to with the searches of a share of the vertices."""
+REFINED = (0.5, 1.0, 2.0)
+"""Pixels that the level-of-detail grid is refined to."""
 
 SIZE = (768, 512)
 
@@ -66,9 +60,8 @@ def virtual(size: tuple[int, int] = (384, 256), rounds: int = 4) -> None:
     loaded = {name: replace(extract(open_blend(path_of(name))), name=name) for name, _, _ in MIRRORED}
     for name, cut, fineness in MIRRORED:
         scene = kettle_alone(loaded[name], fineness)
-        settings = {f"{grid:g} %": {"grid": grid} for grid in (0.0, *SHARES)}
-        settings |= {f"{grid:g} % refined": {"grid": grid, "refine": WITHIN} for grid in SHARES}
-        settings |= {f"{within:g} pixels": {"grid": 0.0, "refine": within} for within in REFINED}
+        settings = {f"{grid:g} %": {"grid": grid} for grid in (0.0, *GRIDS)}
+        settings |= {f"{within:g} pixels": {"refine": within} for within in REFINED}
         drawn = {name: METHODS["virtual-objects-published"]({"cut": cut, **own}) for name, own in settings.items()}
         try:
             for method in drawn.values():
@@ -143,14 +136,14 @@ def print_grids(counts: dict, times: dict, frames: dict[str, Frame], truth: Fram
     print(
         f"  every vertex: {counts['0 %']:,} searched in {times['0 %'][0]:.0f} ms, reflected in {times['0 %'][1]:.0f} ms"
     )
-    papers = {f"{grid:g} %{kind}": gain for grid, gain in GRIDS.items() for kind in ("", " refined")}
+    papers = dict(zip([f"{grid:g} %" for grid in GRIDS], GRIDS.values(), strict=True))
     for grid, frame in list(frames.items())[1:]:
         search, whole = times["0 %"] / times[grid]
         share = counts[grid] / counts["0 %"]
         flip = error_maps(frame.color, every.color).over(mask).flip
         farther = error_maps(frame.color, truth.color).over(mask).flip - away
         print(
-            f"  {grid:14}: {share:5.1%} searched, {search:5.1f}× ({search * share:4.0%} of the ideal), "
+            f"  {grid:10}: {share:5.1%} searched, {search:5.1f}× ({search * share:4.0%} of the ideal), "
             f"reflection {whole:5.1f}×, the paper's frame {papers.get(grid, '-'):>4}×; "
             f"FLIP {flip:.4f} from every vertex, {farther:+.4f} against rays"
         )

@@ -37,8 +37,7 @@ class VirtualMeshes:
     """Instances of a scene, in the world, ready to be drawn as they are mirrored. Lives on the GL thread.
 
     Instance n of those `shown` has the points `points[n]` to `points[n + 1]`, which are to be searched, the triangles
-    likewise, and lies in the ball of `centres` (N, 3) and `radii` (N,). `share`: how many points may be searched for
-    each vertex, 0 for any number.
+    likewise, and lies in the ball of `centres` (N, 3) and `radii` (N,).
     """
 
     def __init__(
@@ -58,7 +57,6 @@ class VirtualMeshes:
         ]
         points, cells, vertices, triangles, sources, trees = ([part[column] for part in parts] for column in range(6))
         self.grid = Grid.REFINED if refined else Grid.PUBLISHED if grid else Grid.NONE
-        self.share = grid
         self.points = _first(points)
         self.triangles = _first(triangles)
         if refined:

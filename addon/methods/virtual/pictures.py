@@ -60,7 +60,7 @@ class VirtualPicture:
         self._target = context.framebuffer([self.met], self._depth)
         self._results = self._results_target = None
         self.searches = 0
-        self._refining = Refining(maps, meshes.forest, within, meshes.share) if meshes.grid is Grid.REFINED else None
+        self._refining = Refining(maps, meshes.forest, within) if meshes.grid is Grid.REFINED else None
 
     def draw(self, view: View, seen: Visibility, offset: tuple[float, float], steps: int, threshold: float) -> None:
         """Search and draw what the reflectors of one sample show; `offset` of it within the pixel."""

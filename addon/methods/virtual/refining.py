@@ -22,9 +22,9 @@ _VERTEX = np.dtype([("position", np.float32, 3), ("part", np.int32)])
 class Refining:
     """Searches what a view needs of virtual meshes in trees of cells. Lives on the GL thread."""
 
-    def __init__(self, maps: ResidentMaps, forest: Forest, within: float, share: float) -> None:
-        """Compile; `within` as of `refined`, and at most a `share` of all vertices searched, unless that is 0."""
-        self._maps, self._forest, self._within, self._share = maps, forest, within, share or np.inf
+    def __init__(self, maps: ResidentMaps, forest: Forest, within: float) -> None:
+        """Compile; `within` so many pixels the middle of a cell is right."""
+        self._maps, self._forest, self._within = maps, forest, within
         stages = {"vertex_shader": "virtual_published/scattered.vert"}
         self._shader = feedback(stages, ("image",), {"ORDER": 1, "MANY_PARTS": 1})
         self._nothing = require().simple_framebuffer((1, 1))  # OpenGL draws, even to nowhere, only where there is one
@@ -39,18 +39,16 @@ class Refining:
         shader["eye"], shader["steps"], shader["threshold"] = eye_of(view.camera), steps, threshold
         bundles = list(dict.fromkeys(run.bundle for run in runs))
         row = {bundle: number for number, bundle in enumerate(bundles)}
-        pairs = np.array([(row[run.bundle], mesh) for run in runs for mesh in range(run.first, run.end)])
+        pairs = [(row[run.bundle], mesh) for run in runs for mesh in range(run.first, run.end)]
         clip = world_to_clip(view.camera, view.width, view.height)
         half = np.array([view.width, view.height]) / 2.0
-        vertices = np.diff(self._forest.vertices)[pairs[:, 1]].sum()
         found = refined(
             self._forest,
             bundles,
-            pairs,
+            np.array(pairs),
             lambda rows, points: self._search(bundles, rows, points),
             lambda points: _pixels(clip, half, points),
             self._within,
-            self._share * vertices,
         )
         self.searches = len(found.results) - 1
         self._upload(found)
@@ -71,8 +69,10 @@ class Refining:
 
     def _upload(self, found: Refined) -> None:
         self._release_tables()
+        results = found.results.copy()
+        results[1:, 3] = np.minimum(results[1:, 3], 1.0)
         self._tables = {
-            "results": DataTexture(found.results),
+            "results": DataTexture(results),
             "vertex_cells": DataTexture(found.of_vertex[:, None]),
             "cells": DataTexture(found.corners.reshape(-1, 4)),
             "cell_boxes": DataTexture(np.pad(found.boxes.reshape(-1, 3), ((0, 0), (0, 1)))),
@@ -95,7 +95,7 @@ class Refining:
 
 
 def _pixels(clip: np.ndarray, half: np.ndarray, points: np.ndarray) -> np.ndarray:
-    """Where points (..., 3) are on the screen, in pixels from its lower left corner; infinite behind the camera."""
+    """Where points (..., 3) are on the screen, in pixels from its middle; infinite behind the camera."""
     x, y, w = (points @ clip[row, :3].T + clip[row, 3] for row in (0, 1, 3))
     with np.errstate(divide="ignore", invalid="ignore"):
-        return np.where((w > 0.0)[..., None], np.stack([x, y], axis=-1) / w[..., None] * half + half, np.inf)
+        return np.where((w > 0.0)[..., None], np.stack([x, y], axis=-1) / w[..., None] * half, np.inf)
