@@ -10,10 +10,10 @@ NOISE = 0.006
 LEAST = 64
 """The samples at which it stops first: half of fewer would be too few for the methods' own edges."""
 
-MOST = {Lighting.UNLIT: 512, Lighting.CYCLES: 1024, Lighting.DIRECT: 512}
+MOST = {Lighting.UNLIT: 512, Lighting.CYCLES: 512, Lighting.DIRECT: 512}
 """The samples at which it stops in any case. Without light, only edges are noisy."""
 
-LIGHT = 256
+LIGHT = 512
 """What baked light follows as long as the reference's samples are not known."""
 
 WITHOUT_REFERENCE = 32

@@ -6,6 +6,7 @@ from math import cos, pi
 import bpy
 import numpy as np
 import pytest
+from catoptric.addon.blender import lightmap
 from catoptric.addon.blender.extract import extract
 from catoptric.addon.blender.lightmap import atlas_places, bake_lightmaps, lightmap_sizes, spread
 from catoptric.addon.blender.lightmap_uv import unwrap
@@ -85,6 +86,18 @@ def test_a_sun_on_a_floor_is_known_exactly(bare_stage):
         index = named(lit, name)
         light = look_up(lit, index, points_on(lit, index, 200)[2])
         np.testing.assert_allclose(light, wanted, rtol=0.02)  # the denoiser may err by 1.5 %
+
+
+def test_light_baked_in_pieces_is_that_of_one_sequence(bare_stage, monkeypatch):
+    """However long the pieces: sequences of their own would be other, noisier light."""
+    stage.add_plane(bare_stage, "floor", 4, diffuse("grey", (0.5, 0.25, 0.75)))
+    stage.add_box(bare_stage, "box", 1, diffuse("red", (0.9, 0.1, 0.1)), (0.4, 0.3, 0.5))
+    extracted, light = extract(bare_stage), []
+    for length in (4, 16):
+        monkeypatch.setattr(lightmap, "CHUNK", length)
+        lit = bake_lightmaps(bare_stage, extracted, 16, 1 << 10)
+        light.append(lit.images[lit.instances[named(lit, "floor")].lightmap].pixels)
+    np.testing.assert_allclose(light[0], light[1], rtol=1e-3)
 
 
 def test_flat_sides_and_mirrored_objects_get_the_light_of_their_own_side(bare_stage):

@@ -51,7 +51,7 @@ def bake_lightmaps(
         return without_lightmaps(scene)
     scene = without_lightmaps(split_where_seen(scene, receivers, appearance(scene)))
     with cycles_engine(bpy_scene):
-        key = key_of("lightmap 2", fingerprint(bpy_scene, scene), samples, texels)
+        key = key_of("lightmap 3", fingerprint(bpy_scene, scene), samples, texels)
         known = cache.get("lightmap", key) if cache else None
         arrays = known.arrays if known else _bake(bpy_scene, scene, receivers, samples, texels, progress)
     if cache and not known:
@@ -135,7 +135,9 @@ def _bake_atlas(
             for offset in range(0, samples, CHUNK):
                 progress("baking light", 0.1 + 0.85 * offset / samples)
                 length = min(CHUNK, samples - offset)
-                with changed(stage.cycles, seed=offset, samples=length):
+                # Pieces of one sequence: as even as if it were one, where each of its own would be so by itself.
+                piece = {"use_sample_subset": True, "sample_offset": offset, "sample_subset_length": length}
+                with changed(stage.cycles, samples=samples, **piece):
                     _bake_once(stage, solid)
                 target.pixels.foreach_get(pixels)
                 shown = pixels.reshape(height, width, 4)
