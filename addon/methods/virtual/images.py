@@ -7,7 +7,7 @@ import numpy as np
 
 from ...baking.reflector_maps_tables import ResidentMaps
 from ...drawing import Resident, world_to_clip
-from ...gl import capture, feedback, program, require, screen, set_uniforms
+from ...gl import capture, feedback, finish, program, render, require, screen, set_uniforms, settle
 from ..contract import View
 from .bundles import Bundle, Run
 from .rays import AFTER_RAYS, MAPS_UNIT, MirroredRays, eye_of
@@ -22,6 +22,9 @@ _SOURCES_UNIT = _RESULTS_UNIT + TEXTURES
 
 _BEHIND_ALL = 0.99999
 """Before the far end, -1 to 1."""
+
+_AT_ONCE = 3 << 10
+"""Points searched, or triangles looked at, in one call: in software it lasts as long as they take."""
 
 
 class Images:
@@ -123,7 +126,7 @@ class Images:
         self._search["known"] = last is not None
         if last:
             self._search["last_shift"] = last.result - int(points[last.first])
-        self._points.render(moderngl.POINTS, vertices=int(points[end]) - begin, first=begin)
+        render(self._points, moderngl.POINTS, int(points[end]) - begin, begin, _AT_ONCE)
 
     @staticmethod
     def _bind(results: Results) -> None:
@@ -153,10 +156,12 @@ class Images:
         while len(self._counters) < len(self._paths):
             self._counters.append(require().query(primitives=True))
         counters = self._counters[: len(self._paths)]
+        settle()
         with capture(self._emit, self._corners):
             for (bundle, runs), counter in zip(self._paths, counters, strict=True):
                 with counter:
                     self._emit_path(bundle, runs)
+        finish()
         self._drawn, first = [], 0
         for (bundle, _), counter in zip(self._paths, counters, strict=True):
             self._drawn.append((bundle, first, 3 * counter.primitives))
@@ -170,8 +175,9 @@ class Images:
         for run in runs:
             begin, end = int(self._scene.triangles[run.first]), int(self._scene.triangles[run.end])
             self._emit["result_shift"] = run.result - int(self._scene.points[run.first])
-            self._emit["first_triangle"] = begin
-            self._triangles.render(moderngl.TRIANGLES, vertices=3 * (end - begin), first=3 * begin)
+            for first in range(begin, end, _AT_ONCE):
+                self._emit["first_triangle"] = first
+                self._triangles.render(moderngl.TRIANGLES, vertices=3 * min(_AT_ONCE, end - first), first=3 * first)
 
     def draw(self, target: moderngl.Framebuffer, offset: tuple[float, float], rays: MirroredRays) -> None:
         """Draw (instance + 1, triangle) of what the mirrored rays meet first into `target`.
@@ -191,8 +197,9 @@ class Images:
             left, bottom, right, top = bundle.bounds
             target.scissor = left, bottom, right - left, top - bottom
             shader["path"] = self._world["path"] = (*bundle.path[::-1], 0)[:2]
+            settle()
             screen(self._world).render(vertices=3)
-            self._rectangles.render(moderngl.TRIANGLES, vertices=count, first=first)
+            render(self._rectangles, moderngl.TRIANGLES, count, first)
         target.scissor = None
 
     @property
