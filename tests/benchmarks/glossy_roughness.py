@@ -3,8 +3,6 @@
 Run by reflections.py --part roughness.
 """
 
-from collections.abc import Iterator
-
 import bpy
 import numpy as np
 from catoptric.addon.blender.reference import Reference, render_reference
@@ -33,7 +31,8 @@ def roughness(names: list[str] | None = None, values: tuple[float, ...] = ROUGHN
     for name in names or FLOORS:
         for value in values:
             scene, reference = _judged(name, value, samples)
-            frames = list(_frames(scene, supersampling(samples)))
+            side = supersampling(samples)
+            frames = [frame_of(scene, method, side, Lighting.CYCLES) for method in COMPARED]
             floor = frames[0].reflectors >= 0.5
             errors = [error_maps(frame.color, reference.color, hdr=False).over(floor).flip for frame in frames]
             noise = _noise(reference, floor)
@@ -59,14 +58,14 @@ def _polish(bpy_scene: bpy.types.Scene, material: str, value: float) -> None:
     bpy_scene.view_layers[0].update()
 
 
-def _frames(scene: Scene, side: int) -> Iterator[Frame]:
-    for method in COMPARED:
-        drawn = METHODS[method]()
-        drawn.prepare(scene, Lighting.CYCLES)
-        try:
-            yield drawn.render(View(scene.camera, *SIZE, side))
-        finally:
-            drawn.release()
+def frame_of(scene: Scene, method: str, samples: int = 3, lighting: Lighting = Lighting.UNLIT) -> Frame:
+    """A method's picture and times, of SIZE, `samples` squared a pixel."""
+    drawn = METHODS[method]()
+    drawn.prepare(scene, lighting)
+    try:
+        return drawn.render(View(scene.camera, *SIZE, samples))
+    finally:
+        drawn.release()
 
 
 def _noise(reference: Reference, floor: np.ndarray) -> float:

@@ -30,7 +30,7 @@ from catoptric.addon.blender.reference import render_reference
 from catoptric.addon.cache import Cache
 from catoptric.addon.drawing import Clipping
 from catoptric.addon.gl import call, is_software, require
-from catoptric.addon.methods.contract import Frame, View
+from catoptric.addon.methods.contract import View
 from catoptric.addon.methods.registry import METHODS
 from catoptric.addon.methods.tracers import TRACER
 from catoptric.addon.metrics import error_maps
@@ -41,7 +41,7 @@ from catoptric.batch.footage import lit
 from catoptric.batch.sources import locate
 from catoptric.scenes import path_of
 from catoptric.tests.ray_stage import agreement
-from glossy_roughness import roughness
+from glossy_roughness import frame_of, roughness
 from virtual_grids import virtual
 
 SIZE = (768, 512)
@@ -49,16 +49,6 @@ PAPER = {"two-balls": 1.54, "hollow-box": 1.58, "knotty-cup": 2.08, "statue": 2.
 ROOM_SCENES = ("genus3", "mirror-ball", "mirror-room")
 COMPARED = ("environment-map", "environment-map-parallax", "layered-depth-published", "layered-depth")
 DENSITIES = (1_500, 100_000, 1_000_000)
-
-
-def frame_of(scene: Scene, method: str, samples: int = 3) -> Frame:
-    """A method's picture and times."""
-    drawn = METHODS[method]()
-    drawn.prepare(scene, Lighting.UNLIT)
-    try:
-        return drawn.render(View(scene.camera, *SIZE, samples))
-    finally:
-        drawn.release()
 
 
 def ratios(names: list[str]) -> None:
