@@ -1,6 +1,7 @@
 """Lamps and the world's light as `direct` lighting reads them."""
 
 from collections.abc import Sequence
+from weakref import WeakKeyDictionary
 
 import numpy as np
 
@@ -8,6 +9,8 @@ from ..scene import Lamp, LampKind, World
 
 _SH_FACTORS = np.pi * np.array([1.0, *[2.0 / 3.0] * 3, *[0.25] * 5])
 _LARGEST_PANORAMA = 512
+
+_LIGHT: "WeakKeyDictionary[World, np.ndarray]" = WeakKeyDictionary()
 
 
 def lamp_rows(lamps: Sequence[Lamp]) -> np.ndarray:
@@ -28,10 +31,16 @@ def _inner_cosine(half: float, blend: float) -> float:
 
 
 def world_light(world: World) -> np.ndarray:
-    """(9, 3) float32: irradiance over pi in real spherical harmonics, bands 0 to 2.
+    """(9, 3) float32: irradiance over pi in real spherical harmonics, bands 0 to 2; kept as long as the world lives.
 
     Source: Ramamoorthi and Hanrahan, *An efficient representation for irradiance environment maps*, 2001.
     """
+    if world not in _LIGHT:
+        _LIGHT[world] = _light_of(world)
+    return _LIGHT[world]
+
+
+def _light_of(world: World) -> np.ndarray:
     if world.panorama is None:
         light = np.zeros((9, 3), np.float32)
         light[0] = np.asarray(world.color) / 0.282095

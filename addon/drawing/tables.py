@@ -15,6 +15,9 @@ _BYTES, _SRGB = 1, 2
 _HOLDS_BYTES, _HOLDS_FLOATS = 1, 2
 _NONE = _MIRRORS_NOTHING = -1
 _SHAPES: "WeakKeyDictionary[Mesh, tuple[np.ndarray, np.ndarray, bool]]" = WeakKeyDictionary()
+_BOXES: "WeakKeyDictionary[Mesh, dict[bytes, np.ndarray]]" = WeakKeyDictionary()
+_MOST_BOXES = 1 << 14
+"""That are kept of a mesh."""
 
 
 def geometry_tables(scene: Scene) -> dict[str, np.ndarray]:
@@ -87,9 +90,15 @@ def material_defines(scene: Scene) -> dict[str, int]:
 
 
 def world_box(instance: Instance, mesh: Mesh) -> np.ndarray:
-    """(2, 3) float64: least and greatest world corner of a mesh as an instance places it."""
-    points = mesh.positions.astype(np.float64) @ instance.matrix[:3, :3].T + instance.matrix[:3, 3]
-    return np.stack([points.min(axis=0), points.max(axis=0)])
+    """(2, 3) float64: least and greatest world corner of a mesh as an instance places it; found once for a place."""
+    boxes, key = _BOXES.setdefault(mesh, {}), instance.matrix.tobytes()
+    if key not in boxes:
+        points = mesh.positions.astype(np.float64) @ instance.matrix[:3, :3].T + instance.matrix[:3, 3]
+        if len(boxes) == _MOST_BOXES:
+            boxes.clear()
+        boxes[key] = np.stack([points.min(axis=0), points.max(axis=0)])
+        boxes[key].flags.writeable = False
+    return boxes[key]
 
 
 def _rows(parts: Sequence[np.ndarray]) -> np.ndarray:
@@ -133,9 +142,10 @@ def _instances_and_materials(scene: Scene, groups: Mapping[int, int]) -> tuple[n
     rows = np.zeros((len(scene.instances), 10, 4), np.float32)
     shapes = [_shape_of(mesh) for mesh in scene.meshes]
     reflectors: defaultdict[int, Iterator[int]] = defaultdict(count)
+    if scene.instances:
+        matrices = np.stack([instance.matrix for instance in scene.instances])
+        rows[:, 0:3], rows[:, 3:6] = matrices[:, :3], np.linalg.inv(matrices)[:, :3]
     for index, (row, instance) in enumerate(zip(rows, scene.instances, strict=True)):
-        row[0:3] = instance.matrix[:3]
-        row[3:6] = np.linalg.inv(instance.matrix)[:3]
         lightmap = _NONE if instance.lightmap is None else instance.lightmap
         group = groups.get(index, 0) if instance.reflector else _NONE
         row[6] = first[instance.materials], group + 1, lightmap, next(reflectors[group])

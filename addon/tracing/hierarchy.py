@@ -16,41 +16,59 @@ def build(boxes: np.ndarray) -> np.ndarray:
     """
     if not len(boxes):
         return np.zeros((OCTANTS, 0, 2, 4), np.float32)
-    children, axes, members = _split(boxes)
-    return np.stack([_ordered(boxes, children, axes, members, octant) for octant in range(OCTANTS)])
+    children, axes, leaves = _split(boxes)
+    levels = _levels(children)
+    low, high, sizes = boxes[leaves, 0].copy(), boxes[leaves, 1].copy(), np.ones(len(axes), int)
+    for level in levels[::-1]:
+        below = children[level]
+        low[level], high[level] = low[below].min(axis=1), high[below].max(axis=1)
+        sizes[level] += sizes[below].sum(axis=1)
+    places = _places(children, axes, levels, sizes)
+    octant = np.arange(OCTANTS)[:, None]
+    nodes = np.empty((OCTANTS, len(axes), 2, 4), np.float32)
+    nodes[octant, places, 0, :3], nodes[octant, places, 1, :3] = low, high
+    nodes[octant, places, 0, 3] = places + sizes
+    nodes[octant, places, 1, 3] = np.where(children[:, 0] < 0, leaves, -1)
+    return nodes
 
 
-def _split(boxes: np.ndarray):
-    """Children of each node (none of a leaf), the axis they part along, and the boxes below it.
+def _split(boxes: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
+    """Children of each node (N, 2), -1 of a leaf, the axis they part along, and a box below it.
 
-    Boxes part at the median of the axis along which their centres spread most.
+    Boxes part at the median of the axis along which their centres spread most. Children stand behind their parents.
     """
     centres = boxes.mean(axis=1)
-    children: list[tuple[int, ...]] = []
+    children: list[tuple[int, int]] = []
     axes: list[int] = []
     members = [np.arange(len(boxes))]
     for inside in members:  # grows while it is walked
-        axis = int(np.ptp(centres[inside], axis=0).argmax())
+        axis = int(np.ptp(centres[inside], axis=0).argmax()) if len(inside) > 1 else 0
         axes.append(axis)
         if len(inside) == 1:
-            children.append(())
+            children.append((-1, -1))
             continue
         ordered = inside[np.argsort(centres[inside, axis], kind="stable")]
         children.append((len(members), len(members) + 1))
         members += [ordered[: len(ordered) // 2], ordered[len(ordered) // 2 :]]
-    return children, axes, members
+    return np.array(children), np.array(axes), np.array([inside[0] for inside in members])
 
 
-def _ordered(boxes, children, axes, members, octant: int) -> np.ndarray:
-    packed = np.zeros((len(children), 2, 4), np.float32)
-    place, pending = 0, [0]
-    while pending:
-        node = pending.pop()
-        inside = members[node]
-        # A subtree of n leaves has 2 n - 1 nodes, all of them in a row.
-        packed[place, 0] = (*boxes[inside, 0].min(axis=0), place + 2 * len(inside) - 1)
-        packed[place, 1] = (*boxes[inside, 1].max(axis=0), inside[0] if len(inside) == 1 else -1)
-        downwards = octant >> axes[node] & 1
-        pending += children[node] if downwards else children[node][::-1]
-        place += 1
-    return packed
+def _levels(children: np.ndarray) -> list[np.ndarray]:
+    """The inner nodes as far from the root as each other, from it on."""
+    levels, level = [], np.zeros(1, int)
+    while len(inner := level[children[level, 0] >= 0]):
+        levels.append(inner)
+        level = children[inner].ravel()
+    return levels
+
+
+def _places(children: np.ndarray, axes: np.ndarray, levels: list[np.ndarray], sizes: np.ndarray) -> np.ndarray:
+    """(8, N): where each node stands; below a node stands its near child with all of its own, then the far one."""
+    octant = np.arange(OCTANTS)[:, None]
+    places = np.zeros((OCTANTS, len(axes)), int)
+    for level in levels:
+        downwards = octant >> axes[level] & 1
+        near, far = children[level, downwards], children[level, 1 - downwards]
+        places[octant, near] = places[:, level] + 1
+        places[octant, far] = places[:, level] + 1 + sizes[near]
+    return places
