@@ -216,14 +216,17 @@ def _judge(comparisons: list[Comparison]) -> str:
     return judges.pop() if len(judges) == 1 else "the reference"
 
 
-def _together(skipped: list[Skipped]) -> list[tuple[Skipped, list[int]]]:
-    """What was left out for one reason, once, with its frames; failures first."""
-    groups: dict[Skipped, list[int]] = {}
+def _together(skipped: list[Skipped]) -> list[tuple[Skipped, tuple[int, ...], list[str]]]:
+    """What was left out for one reason, once, with its frames and its methods; failures first."""
+    by_method: dict[Skipped, list[int]] = {}
     for entry in sorted(skipped, key=lambda entry: not entry.error):
-        frames = groups.setdefault(replace(entry, frame=None), [])
+        frames = by_method.setdefault(replace(entry, frame=None), [])
         if entry.frame is not None:
             frames.append(entry.frame)
-    return [(entry, sorted(frames)) for entry, frames in groups.items()]
+    groups: dict[tuple[Skipped, tuple[int, ...]], list[str]] = {}
+    for entry, frames in by_method.items():
+        groups.setdefault((replace(entry, method=""), tuple(sorted(frames))), []).append(entry.method)
+    return [(entry, frames, methods) for (entry, frames), methods in groups.items()]
 
 
 def _wins(comparisons: list[Comparison], scope: str) -> list[tuple[str, int]]:

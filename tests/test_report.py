@@ -134,6 +134,14 @@ def test_a_page_of_reasons_only(tmp_path):
     assert "the reasons are below" in page
 
 
+def test_methods_that_do_not_fit_for_one_reason_share_a_row(tmp_path):
+    skipped = [Skipped("box", method, "it is curved", frame=1) for method in ("planar", "glossy-planes")]
+    skipped.append(Skipped("box", "auto", "it is curved", frame=2))
+    page = page_of(Results("0.1.0", SOFTWARE, skipped=skipped), tmp_path)
+    assert page.count("it is curved") == 2
+    assert "<td>planar, glossy-planes</td>" in page
+
+
 def test_a_page_of_one_result_without_numbers(tmp_path):
     results = Results("0.1.0", SOFTWARE)
     measured(tmp_path, results, "box", "m", 0.0, over_reflectors=Figures(0), noise=None, time_ms=Times())
