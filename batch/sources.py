@@ -9,6 +9,7 @@ from ..addon.errors import SceneError, UsageError
 from ..addon.progress import Progress, silent
 from ..addon.scene import Scene
 from ..addon.scene.archive import EXTENSION, load
+from ..addon.scene.soundness import sound
 from ..scenes import SCENES, path_of
 
 
@@ -27,7 +28,7 @@ class Archive:
 
     @cached_property
     def _scene(self) -> Scene:
-        return load(self.path)
+        return sound(load(self.path))
 
     @property
     def frame(self) -> int:

@@ -7,10 +7,11 @@ import numpy as np
 
 from ..progress import Progress, silent
 from ..scene import Camera, Instance, Lamp, Mesh, Scene
+from ..scene.soundness import NOWHERE, Empty, is_placed
 from .extract_camera import check_camera, read_camera, read_lamp
 from .extract_evaluate import with_render_depsgraph
 from .extract_memo import Memo
-from .extract_mesh import Empty, Surfacing, read_mesh
+from .extract_mesh import Surfacing, read_mesh
 from .images import ImageReader
 from .materials import MaterialReader, Slot
 from .materials_lookup import object_space
@@ -131,8 +132,8 @@ class _Reading:
     def _add_mesh(self, depsgraph, holder, parent, matrix: np.ndarray) -> None:
         if len(holder.data.polygons) == 0 and parent is None and _only_instances(holder):
             return
-        if not np.isfinite(matrix).all() or np.linalg.matrix_rank(matrix[:3, :3], tol=1e-12) < 3:
-            self.notes.add(_object(holder), "has a scale of zero; it is left out")
+        if not is_placed(matrix):
+            self.notes.add(_object(holder), f"{NOWHERE}; it is left out")
             return
         wanted = _wanted(holder, parent, self.notes)
         slots = self._slots(holder, forced=wanted is True)

@@ -6,7 +6,7 @@ from dataclasses import dataclass, field
 import bpy
 
 from ..scene import Image, Mesh, World
-from .extract_mesh import Empty
+from ..scene.soundness import Empty
 
 
 @dataclass

@@ -7,14 +7,8 @@ import bpy
 import numpy as np
 
 from ..scene import Mesh
+from ..scene.soundness import check_positions, face_normals, solid_triangles, unit_normals
 from .materials_lookup import IDENTITY, Coordinates, Lookup
-
-_SLIVER = 1e-8
-"""Twice a triangle's area over its longest edge squared, below which it is a line: under a float's precision."""
-
-
-class Empty(Exception):
-    """The mesh has nothing to draw; the message says why."""
 
 
 @dataclass(frozen=True)
@@ -31,15 +25,10 @@ def read_mesh(mesh: bpy.types.Mesh, surfacings: Sequence[Surfacing]) -> Mesh:
     Raises `Empty` if it has no triangles, only degenerate ones, or a coordinate that is not a number.
     """
     positions = _get(mesh.vertices, "co", 3)
-    if not np.isfinite(positions).all():
-        raise Empty("has vertices that are not numbers (NaN or infinite)")
+    check_positions(positions)
     mesh.calc_loop_triangles()
     triangles = _get(mesh.loop_triangles, "vertices", 3, np.int32)
-    if not len(triangles):
-        raise Empty("has no faces")
-    crosses, solid = _crosses(positions[triangles])
-    if not solid.any():
-        raise Empty("has only faces without area")
+    crosses, solid = solid_triangles(positions[triangles])
     if solid.all():
         solid = slice(None)  # keeps every step below from copying
     triangles, crosses = triangles[solid], crosses[solid]
@@ -65,16 +54,6 @@ def _get(collection, name: str, width: int, dtype=np.float32) -> np.ndarray:
     return values.reshape(-1, width)
 
 
-def _crosses(corners: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """(T, 3) cross products of two edges, and (T,) whether the triangle has an area."""
-    first, second = corners[:, 1] - corners[:, 0], corners[:, 2] - corners[:, 0]
-    crosses = np.cross(first, second)
-    third = second - first
-    longest = np.maximum.reduce([np.einsum("ij,ij->i", edge, edge) for edge in (first, second, third)])
-    area = np.sqrt(np.einsum("ij,ij->i", crosses, crosses))
-    return crosses, area > _SLIVER * longest
-
-
 def _normals(
     mesh: bpy.types.Mesh, triangles: np.ndarray, loops: np.ndarray, crosses: np.ndarray, kept: np.ndarray | slice
 ) -> np.ndarray:
@@ -84,7 +63,7 @@ def _normals(
     shows: a mesh that is flat all over is shaded by each triangle's own normal, not its polygon's. Before 5.0
     so are the flat faces of any mesh without custom normals, and they do not part the smooth faces beside them.
     """
-    faces = crosses / np.maximum(np.linalg.norm(crosses, axis=1, keepdims=True), np.finfo(np.float32).tiny)
+    faces = face_normals(crosses)
     if mesh.normals_domain == "FACE":
         return np.repeat(faces[:, None], 3, axis=1).astype(np.float32)
     flat_by_triangle = bpy.app.version < (5, 0) and not mesh.has_custom_normals
@@ -92,11 +71,8 @@ def _normals(
         normals = _get(mesh.vertex_normals, "vector", 3)[triangles]
     else:
         normals = _get(mesh.corner_normals, "vector", 3)[loops]
-    lengths = np.linalg.norm(normals, axis=2, keepdims=True)
-    sound = np.isfinite(lengths) & (lengths > 0.5)
-    if flat_by_triangle:
-        sound &= _get(mesh.loop_triangles, "use_smooth", 1, np.bool_)[kept, :, None]
-    return np.where(sound, normals / np.where(sound, lengths, 1.0), faces[:, None]).astype(np.float32)
+    smooth = _get(mesh.loop_triangles, "use_smooth", 1, np.bool_)[kept, :, None] if flat_by_triangle else True
+    return unit_normals(normals, faces, smooth)
 
 
 class _Corners:
