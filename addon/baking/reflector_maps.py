@@ -3,13 +3,14 @@
 from collections.abc import Iterable, Sequence
 from dataclasses import dataclass
 from functools import cached_property
+from weakref import WeakKeyDictionary
 
 import moderngl
 import numpy as np
 
 from ..cache import Cache, key_of
 from ..gl import clear, on_gl_thread, program, read_back, require
-from ..parameters import Parameter
+from ..parameters import Parameter, Value
 from ..progress import Progress, part_of, silent
 from ..scene import Mesh, Scene
 from ..tracing import Curvature, StarPart, star_parts
@@ -69,6 +70,9 @@ _AT_ONCE = 1 << 18
 _PATCH_FACE = 4
 """A patch lies before its frame's third axis: on the face +Z."""
 
+_KEPT: "WeakKeyDictionary[Mesh, tuple[tuple[Value, ...], list[ReflectorMap]]]" = WeakKeyDictionary()
+"""The maps that a mesh had last, and the settings they were made with."""
+
 
 @dataclass(frozen=True, eq=False)
 class ReflectorMap:
@@ -99,15 +103,19 @@ class ReflectorMap:
         """Whether all six faces are there."""
         return len(self.positions) == 6
 
+    def shown(self) -> np.ndarray:
+        """(N, 3) positions where the reflector itself is, N ≥ 1."""
+        return self.positions[self.covered]
+
     @cached_property
     def radius(self) -> float:
         """Metres from the centre to the reflector, in the mean."""
-        return float(np.linalg.norm(self.positions[self.covered], axis=1).mean())
+        return float(np.linalg.norm(self.shown(), axis=1).mean())
 
     @cached_property
     def ball(self) -> np.ndarray:
         """(3, 3) float64: takes the unit sphere to the ellipsoid around the centre that is nearest to the reflector."""
-        x, y, z = self.positions[self.covered].T.astype(np.float64) / self.radius
+        x, y, z = self.shown().T.astype(np.float64) / self.radius
         squares = np.stack([x * x, y * y, z * z, 2.0 * x * y, 2.0 * x * z, 2.0 * y * z])
         xx, yy, zz, xy, xz, yz = np.linalg.solve(squares @ squares.T, squares.sum(axis=1))
         values, vectors = np.linalg.eigh([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
@@ -166,13 +174,14 @@ def _size(part: StarPart, size: int) -> int:
 def maps_of(
     scene: Scene, reflectors: Iterable[int], settings: dict, cache: Cache | None = None, progress: Progress = silent
 ) -> dict[int, list[ReflectorMap]]:
-    """The maps of each of some instances; those of the same mesh share theirs."""
-    meshes = {index: scene.instances[index].mesh for index in reflectors}
-    distinct, baked = dict.fromkeys(meshes.values()), {}
+    """The maps of each of some instances; those of the same mesh share theirs, and keep them as long as it lives."""
+    meshes = {index: scene.meshes[scene.instances[index].mesh] for index in reflectors}
+    wanted, distinct = tuple(settings[one.name] for one in (SIZE, FINER, SPREAD)), dict.fromkeys(meshes.values())
     for done, mesh in enumerate(distinct):
-        share = part_of(progress, done / len(distinct), (done + 1) / len(distinct))
-        baked[mesh] = reflector_maps(scene.meshes[mesh], settings, cache, share)
-    return {index: baked[mesh] for index, mesh in meshes.items()}
+        if mesh not in _KEPT or _KEPT[mesh][0] != wanted:
+            share = part_of(progress, done / len(distinct), (done + 1) / len(distinct))
+            _KEPT[mesh] = wanted, reflector_maps(mesh, settings, cache, share)
+    return {index: _KEPT[mesh][1] for index, mesh in meshes.items()}
 
 
 @on_gl_thread

@@ -9,7 +9,7 @@ import numpy as np
 from ..drawing import first_triangles
 from ..gl import DataTexture
 from ..scene import Scene
-from ..tracing import Curvature
+from ..tracing import Curvature, placed_box
 from .reflector_maps import ReflectorMap
 
 UNITS = 2
@@ -66,12 +66,8 @@ class ResidentMaps:
     @cached_property
     def boxes(self) -> np.ndarray:
         """(P, 2, 3) float64 low and high corners of the parts in the world."""
-        boxes = np.zeros((len(self.maps), 2, 3))
-        for number, one in enumerate(self.maps, 1):
-            matrix = self.to_world(number)
-            points = one.positions[one.covered] @ matrix[:3, :3].T + matrix[:3, 3]
-            boxes[number - 1] = points.min(axis=0), points.max(axis=0)
-        return boxes
+        boxes = [placed_box(one, one.shown, self.to_world(number)) for number, one in enumerate(self.maps, 1)]
+        return np.array(boxes).reshape(-1, 2, 3)
 
     @cached_property
     def curvature_radii(self) -> np.ndarray:

@@ -8,16 +8,13 @@ from weakref import WeakKeyDictionary
 import numpy as np
 
 from ..scene import ColorSource, Fresnel, Image, Instance, Material, Mesh, Scene
-from ..tracing import OCTANTS, build_hierarchy, depth_axis, is_convex, padded_box
+from ..tracing import OCTANTS, build_hierarchy, depth_axis, is_convex, padded_box, placed_box
 from .lamps import lamp_rows
 
 _BYTES, _SRGB = 1, 2
 _HOLDS_BYTES, _HOLDS_FLOATS = 1, 2
 _NONE = _MIRRORS_NOTHING = -1
 _SHAPES: "WeakKeyDictionary[Mesh, tuple[np.ndarray, np.ndarray, bool]]" = WeakKeyDictionary()
-_BOXES: "WeakKeyDictionary[Mesh, dict[bytes, np.ndarray]]" = WeakKeyDictionary()
-_MOST_BOXES = 1 << 14
-"""That are kept of a mesh."""
 
 
 def geometry_tables(scene: Scene) -> dict[str, np.ndarray]:
@@ -91,14 +88,7 @@ def material_defines(scene: Scene) -> dict[str, int]:
 
 def world_box(instance: Instance, mesh: Mesh) -> np.ndarray:
     """(2, 3) float64: least and greatest world corner of a mesh as an instance places it; found once for a place."""
-    boxes, key = _BOXES.setdefault(mesh, {}), instance.matrix.tobytes()
-    if key not in boxes:
-        points = mesh.positions.astype(np.float64) @ instance.matrix[:3, :3].T + instance.matrix[:3, 3]
-        if len(boxes) == _MOST_BOXES:
-            boxes.clear()
-        boxes[key] = np.stack([points.min(axis=0), points.max(axis=0)])
-        boxes[key].flags.writeable = False
-    return boxes[key]
+    return placed_box(mesh, lambda: mesh.positions, instance.matrix)
 
 
 def _rows(parts: Sequence[np.ndarray]) -> np.ndarray:

@@ -1,5 +1,6 @@
 """Curved mirrors by drawing the scene where its vertices are reflected."""
 
+from functools import cached_property
 from weakref import WeakKeyDictionary
 
 import moderngl
@@ -16,6 +17,7 @@ from .deferred import DeferredMethod
 from .environment_map import CUBE_SIZE
 from .traced import reflections_left
 from .virtual.bounce import MET_UNIT, Bounce
+from .virtual.cuts import Cuts
 from .virtual.scene import VirtualScene
 
 STEPS = Parameter(
@@ -105,12 +107,17 @@ class VirtualObjects(DeferredMethod):
         """Which shader draws the rest."""
         return {"REST": REST.choices.index(self.settings["rest"])}
 
+    @cached_property
+    def _cuts(self) -> Cuts:
+        return Cuts()
+
     def bake(self, progress: Progress) -> None:
         """Bake the maps of every reflector, and cut what they show."""
         # Of every reflector of the scene: another method's may show in ours.
         maps = maps_of(self.scene, self.scene.reflectors, self.settings, Cache(), progress)
         self._maps = ResidentMaps(self.scene, maps)
-        self._virtual = VirtualScene(self.scene, self._maps, self.settings["share"], self.settings["least"])
+        share, least = self.settings["share"], self.settings["least"]
+        self._virtual = VirtualScene(self.scene, self._maps, share, least, self._cuts)
         self._cubes = EnvironmentCubes(self.resident, self.settings["size"]) if not self.defines["REST"] else None
         self._bounces: WeakKeyDictionary[Visibility, list[Bounce]] = WeakKeyDictionary()
         self._views: WeakKeyDictionary[Visibility, View] = WeakKeyDictionary()

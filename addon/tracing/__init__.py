@@ -1,5 +1,6 @@
 """Where rays meet the scene: acceleration structures built from plain triangles, with NumPy alone."""
 
+from .boxes import placed_box
 from .cell_tree import EDGES, MIDDLES, CellTree, cell_tree
 from .convexity import is_convex
 from .curvature import Curvature
@@ -38,5 +39,6 @@ __all__ = [
     "interpolation_grid",
     "is_convex",
     "padded_box",
+    "placed_box",
     "star_parts",
 ]

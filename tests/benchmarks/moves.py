@@ -1,6 +1,6 @@
 """What it takes to go on after an object has moved: tables made anew and uploaded, before anything is drawn.
 
-Run: python tests/benchmarks/moves.py [--scenes a,b] [--crowd 1000]
+Run: python tests/benchmarks/moves.py [--scenes a,b] [--crowd 1000] [--method layered-depth]
 
 A viewport does this at every step of a drag. `crowd` is a ball among so many others, each an instance of one mesh.
 """
@@ -46,7 +46,7 @@ def moved(scene: Scene) -> Scene:
     return replace(scene, instances=tuple(instances))
 
 
-def updates(scene: Scene, method: str = "layered-depth") -> float:
+def updates(scene: Scene, method: str) -> float:
     """Median milliseconds of an update."""
     drawn, times = METHODS[method](), []
     drawn.prepare(scene, Lighting.UNLIT)
@@ -67,11 +67,13 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--scenes", default="mirror-ball,living-room")
     parser.add_argument("--crowd", type=int, default=1000)
+    parser.add_argument("--method", choices=METHODS, default="layered-depth")
     given = parser.parse_args()
     print(call(lambda: require().info["GL_RENDERER"]))
     scenes = {name: extract(open_blend(path_of(name))) for name in given.scenes.split(",")}
     for name, scene in (*scenes.items(), ("crowd", crowd(given.crowd))):
-        print(f"{name:14}{len(scene.instances):6,} instances, an update after one has moved: {updates(scene):7.1f} ms")
+        took = updates(scene, given.method)
+        print(f"{name:14}{len(scene.instances):6,} instances, an update after one has moved: {took:7.1f} ms")
 
 
 if __name__ == "__main__":

@@ -9,11 +9,8 @@ from ...baking.reflector_maps_tables import ResidentMaps
 from ...drawing import first_triangles
 from ...gl import DataTexture, require
 from ...scene import Scene
-from ...tracing import Near, cut_near
-
-_CHUNK = 64
-"""Triangles that are searched, or left out, together."""
-
+from ...tracing import Near
+from .cuts import Cuts
 
 _LEAST_CURVED = 0.3
 """Of a reflector's size: a radius of curvature below which it makes no difference; that of a ball is about this."""
@@ -27,21 +24,28 @@ class VirtualScene:
     lies in the ball of `centres` (C, 3) and `radii` (C,).
     """
 
-    def __init__(self, scene: Scene, maps: ResidentMaps, share: float, least: float) -> None:
+    def __init__(self, scene: Scene, maps: ResidentMaps, share: float, least: float, cuts: Cuts) -> None:
         """Upload what reflections see of a scene.
 
         No edge is longer than `share` of its distance from the nearest part of a reflector, but `least` of the radius
-        that the part is curved by is short enough.
+        that the part is curved by is short enough. `cuts` spares what an earlier scene was cut into already.
         """
-        corners, sources = _pieces(scene, _reflectors(maps, least), share)
-        chunk = np.arange(len(corners)) // _CHUNK
-        points, indices, self.points = _shared_points(corners.astype(np.float32), chunk)
-        self.triangles = np.append(np.arange(0, len(corners), _CHUNK), len(corners))
-        self.centres, self.radii = _balls(corners, self.triangles[:-1])
+        parts, first = cuts.of(scene, _reflectors(maps, least), share), first_triangles(scene)
+        pieces = list(parts.values())
+        self.points = _one_after_another([part.first_points for part in pieces])
+        self.triangles = _one_after_another([part.first_triangles for part in pieces])
+        self.centres = np.concatenate([np.zeros((0, 3)), *(part.centres for part in pieces)])
+        self.radii = np.concatenate([np.zeros(0), *(part.radii for part in pieces)])
+        begins = np.cumsum([0, *(len(part.points) for part in pieces)])
+        corners = [part.corners + np.int32(begin) for part, begin in zip(pieces, begins, strict=False)]
+        sources = [
+            np.stack([first[scene.instances[index].mesh] + part.sources, np.full(len(part.sources), index)], axis=1)
+            for index, part in parts.items()
+        ]
         context = require()
-        self._points = context.buffer(points if len(points) else np.zeros((1, 3), np.float32))
-        self._indices = context.buffer(indices if len(indices) else np.zeros(3, np.int32))
-        self._sources = DataTexture(sources)
+        self._points = context.buffer(_joined([part.points for part in pieces], np.float32))
+        self._indices = context.buffer(_joined(corners, np.int32))
+        self._sources = DataTexture(np.concatenate([np.zeros((0, 2), np.int32), *sources]).astype(np.int32))
 
     def by_point(self, shader: moderngl.Program) -> moderngl.VertexArray:
         """A vertex array of each point, once."""
@@ -73,58 +77,16 @@ def _reflectors(maps: ResidentMaps, least: float) -> list[Near]:
     return things
 
 
-def _pieces(scene: Scene, reflectors: list[Near], share: float) -> tuple[np.ndarray, np.ndarray]:
-    """(T, 3, 3) float64 corners in the world and (T, 2) int32 sources; what lies together stands together."""
-    pieces, sources = [np.zeros((0, 3, 3))], [np.zeros((0, 2), np.int32)]
-    for index, instance in enumerate(scene.instances):
-        if not instance.in_reflections:
-            continue
-        corners = scene.meshes[instance.mesh].corners.astype(np.float64)
-        corners = corners @ instance.matrix[:3, :3].T + instance.matrix[:3, 3]
-        good = np.flatnonzero(np.isfinite(corners).all(axis=(1, 2)))
-        cut, piece_of = cut_near(corners[good], reflectors, share)
-        order = _by_place(cut)
-        triangles = first_triangles(scene)[instance.mesh] + good[piece_of[order]]
-        pieces.append(cut[order])
-        sources.append(np.stack([triangles, np.full(len(order), index)], axis=1).astype(np.int32))
-    return np.concatenate(pieces), np.concatenate(sources)
+def _one_after_another(firsts: Sequence[np.ndarray]) -> np.ndarray:
+    """Where chunks begin among those of all, from where those of each begin; and the end."""
+    ends = np.cumsum([0, *(first[-1] for first in firsts)])
+    return np.concatenate([*(first[:-1] + end for first, end in zip(firsts, ends, strict=False)), ends[-1:]])
 
 
-def _by_place(corners: np.ndarray) -> np.ndarray:
-    """(T,) an order of triangles in which neighbours stand together: along Morton's curve."""
-    if not len(corners):
-        return np.zeros(0, np.int64)
-    middles = corners.mean(axis=1)
-    low, size = middles.min(axis=0), max(float(np.ptp(middles, axis=0).max()), 1e-30)
-    cells = ((middles - low) / size * 1023).astype(np.int64)
-    for shift, mask in ((16, 0x030000FF), (8, 0x0300F00F), (4, 0x030C30C3), (2, 0x09249249)):
-        cells = (cells | cells << shift) & mask
-    return np.argsort(cells[:, 0] | cells[:, 1] << 1 | cells[:, 2] << 2, kind="stable")
-
-
-def _shared_points(corners: np.ndarray, chunk: np.ndarray) -> tuple[np.ndarray, np.ndarray, np.ndarray]:
-    """The points (P, 3) of triangles (T, 3, 3), each once in a chunk; (T, 3) int32 into them; where chunks begin."""
-    rows = np.empty(3 * len(corners), [("chunk", np.int32), ("x", np.float32), ("y", np.float32), ("z", np.float32)])
-    rows["chunk"] = np.repeat(chunk, 3)
-    rows["x"], rows["y"], rows["z"] = (corners.reshape(-1, 3) + np.float32(0.0)).T  # no -0 beside 0
-    keys = np.frombuffer(rows.tobytes(), np.dtype((np.void, rows.dtype.itemsize)))
-    _, first, indices = np.unique(keys, return_index=True, return_inverse=True)
-    order = np.lexsort([first, rows["chunk"][first]])
-    rank = np.empty(len(order), np.int32)
-    rank[order] = np.arange(len(order))
-    chosen = first[order]
-    counts = np.bincount(rows["chunk"][chosen], minlength=int(chunk[-1]) + 1 if len(chunk) else 0)
-    points = corners.reshape(-1, 3)[chosen]
-    return points, rank[indices].reshape(-1, 3), np.concatenate([[0], np.cumsum(counts)])
-
-
-def _balls(corners: np.ndarray, first: np.ndarray) -> tuple[np.ndarray, np.ndarray]:
-    """Balls that hold the triangles of each chunk: middles of their boxes, half of their diagonals."""
-    if not len(first):
-        return np.zeros((0, 3)), np.zeros(0)
-    low = np.minimum.reduceat(corners.min(axis=1), first, axis=0)
-    high = np.maximum.reduceat(corners.max(axis=1), first, axis=0)
-    return (low + high) / 2.0, np.linalg.norm(high - low, axis=1) / 2.0
+def _joined(parts: Sequence[np.ndarray], dtype: type) -> np.ndarray:
+    """Rows of three of all parts; one of zeros where there is none, so that its buffer exists."""
+    rows = np.concatenate([np.zeros((0, 3), dtype), *parts])
+    return rows if len(rows) else np.zeros((1, 3), dtype)
 
 
 def runs_of(chosen: np.ndarray) -> Sequence[tuple[int, int]]:
