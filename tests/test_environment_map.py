@@ -5,8 +5,9 @@ from dataclasses import replace
 import numpy as np
 import pytest
 import trimesh
+from catoptric.addon.errors import Cancelled
 from catoptric.addon.methods.contract import View
-from catoptric.addon.methods.environment_map import EnvironmentMap, EnvironmentMapParallax
+from catoptric.addon.methods.environment_map import EnvironmentMap, EnvironmentMapDynamic, EnvironmentMapParallax
 from catoptric.addon.scene import Lighting, World
 
 from .stage import Judge, camera_rays, looking, mesh_of, mirrored, placed, scene_of
@@ -83,3 +84,37 @@ def test_a_room_s_walls_are_where_they_are(away):
     np.testing.assert_allclose(
         np.median(frame.distance[mirror] / met.distance.reshape(mirror.shape)[mirror]), 1.0, atol=1e-3
     )
+
+
+def three_balls():
+    """Mirror balls in a row on a floor."""
+    ball, floor = BALL[0], mesh_of(trimesh.creation.box((12, 12, 0.2)))
+    balls = [(ball, placed((x, 0.0, 0.0)), True) for x in (-2.5, 0.0, 2.5)]
+    return scene_of([*balls, (floor, placed((0, 0, -1.3)), False)], looking((0.5, -8.0, 1.5)))
+
+
+def test_a_capture_tells_how_far_it_is():
+    told, drawn = [], EnvironmentMap({"size": 32})
+    drawn.prepare(three_balls(), Lighting.UNLIT, lambda stage, fraction: told.append((stage, fraction)))
+    drawn.release()
+    assert [part for stage, part in told if stage == "capturing environment cubes"] == pytest.approx([0, 1 / 3, 2 / 3])
+
+
+def test_a_capture_that_was_stopped_can_be_begun_again():
+    def stop(stage, fraction):
+        if stage == "capturing environment cubes" and fraction > 0.5:
+            raise Cancelled
+
+    scene, drawn = three_balls(), EnvironmentMap({"size": 256})
+    with pytest.raises(Cancelled):
+        drawn.prepare(scene, Lighting.UNLIT, stop)
+    drawn.update(scene)
+    picture = drawn.render(View(scene.camera, *SIZE, 1)).color
+    drawn.release()
+    np.testing.assert_array_equal(picture, frame_of(scene, EnvironmentMap).color)
+
+
+def test_a_cube_of_every_frame_shows_what_one_of_this_frame_does():
+    scene = three_balls()
+    once, always = (frame_of(scene, method).color for method in (EnvironmentMap, EnvironmentMapDynamic))
+    np.testing.assert_array_equal(once, always)

@@ -141,8 +141,7 @@ class _Export:
         reflectors = self._scene.reflectors
         if not self._selected & set(reflectors):
             return
-        progress("capturing environment cubes", 0.0)
-        cubes = EnvironmentCubes(self._resident, size + 2, frozenset(self._searched))
+        cubes = EnvironmentCubes(self._resident, size + 2, frozenset(self._searched), progress=progress)
         try:
             captured = cubes.read()
         finally:

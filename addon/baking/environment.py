@@ -8,6 +8,7 @@ import numpy as np
 from ..drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility, world_box, world_to_clip
 from ..errors import MachineError
 from ..gl import DataTexture, read_back, require
+from ..progress import Progress, silent
 from ..scene import Camera, Scene
 
 _PASSES = (
@@ -34,10 +35,12 @@ class EnvironmentCubes:
         size: int,
         without: frozenset[int] = frozenset(),
         reflectors: Sequence[int] | None = None,
+        progress: Progress = silent,
+        empty: bool = False,
     ) -> None:
         """Make and capture the cubes of `reflectors`, a group of the resident's; all of them unless given.
 
-        `size` shrinks where the GPU's textures end; instances `without` are left out.
+        `size` shrinks where the GPU's textures end; instances `without` are left out. `empty` cubes are captured later.
         """
         context = require()
         self._resident = resident
@@ -54,12 +57,21 @@ class EnvironmentCubes:
         boxes = _boxes(resident.scene, reflectors)
         self._captures = DataTexture(boxes.reshape(-1, 4) if len(boxes) else np.zeros((1, 4), np.float32))
         self._cameras = [face_cameras(box[0, :3], boxes, self.size) for box in boxes]
-        self.capture()
+        if not empty:
+            self._begin(progress)
 
-    def capture(self) -> None:
+    def _begin(self, progress: Progress) -> None:
+        try:
+            self.capture(progress)
+        except BaseException:  # it was stopped: nobody else knows of the cubes yet
+            self.release()
+            raise
+
+    def capture(self, progress: Progress = silent) -> None:
         """Draw all cubes anew."""
         self._target.clear()
         for row, (reflector, cameras) in enumerate(zip(self._reflectors, self._cameras, strict=True)):
+            progress("capturing environment cubes", row / len(self._reflectors))
             for column, camera in enumerate(cameras):
                 self._capture_face(camera, self._without | {reflector}, (column * self.size, row * self.size))
 

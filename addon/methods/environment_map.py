@@ -30,8 +30,10 @@ class EnvironmentMap(DeferredMethod):
 
     def bake(self, progress: Progress) -> None:
         """Capture the cubes."""
-        progress("capturing environment cubes", 0.0)
-        self.cubes = EnvironmentCubes(self.resident, self.settings["size"], reflectors=self.reflectors)
+        self.cubes = self._cubes(progress=progress)
+
+    def _cubes(self, **how) -> EnvironmentCubes:
+        return EnvironmentCubes(self.resident, self.settings["size"], reflectors=self.reflectors, **how)
 
     def bind_reflection(self, shader: moderngl.Program, view: View) -> None:
         """Bind the cubes."""
@@ -52,6 +54,10 @@ class EnvironmentMapDynamic(EnvironmentMap):
 
     name = "environment-map-dynamic"
     source = "Greene 1986: a cube captured every frame at the reflector's centre"
+
+    def bake(self, progress: Progress) -> None:
+        """Make room for the cubes."""
+        self.cubes = self._cubes(empty=True)
 
     def before_frame(self, view: View) -> None:
         """Capture the cubes again."""

@@ -96,9 +96,9 @@ class LayeredDepthPublished(DeferredMethod):
         settings = {"resolution": resolution, "layers": self.settings["layers"]}
         bakes = bake_layers(self.resident, settings, Cache(), progress, unsearched)
         self.bakes = [bake if bake is not None and bake.has_inside else None for bake in bakes]
-        self._layers = ResidentLayers(self.bakes)
         searched = frozenset(index for index, bake in enumerate(self.bakes) if bake is not None)
-        self._cubes = EnvironmentCubes(self.resident, self.settings["size"], searched, self.reflectors)
+        self._cubes = EnvironmentCubes(self.resident, self.settings["size"], searched, self.reflectors, progress)
+        self._layers = ResidentLayers(self.bakes)
         self._regions = Regions(self.resident, self.reflectors)
 
     def before_frame(self, view: View) -> None:

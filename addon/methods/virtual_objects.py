@@ -115,10 +115,11 @@ class VirtualObjects(DeferredMethod):
         """Bake the maps of every reflector, and cut what they show."""
         # Of every reflector of the scene: another method's may show in ours.
         maps = maps_of(self.scene, self.scene.reflectors, self.settings, Cache(), progress)
+        cube = self.settings["size"]
+        self._cubes = EnvironmentCubes(self.resident, cube, progress=progress) if not self.defines["REST"] else None
         self._maps = ResidentMaps(self.scene, maps)
         share, least = self.settings["share"], self.settings["least"]
         self._virtual = VirtualScene(self.scene, self._maps, share, least, self._cuts)
-        self._cubes = EnvironmentCubes(self.resident, self.settings["size"]) if not self.defines["REST"] else None
         self._bounces: WeakKeyDictionary[Visibility, list[Bounce]] = WeakKeyDictionary()
         self._views: WeakKeyDictionary[Visibility, View] = WeakKeyDictionary()
 

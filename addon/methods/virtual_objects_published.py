@@ -107,12 +107,13 @@ class VirtualObjectsPublished(DeferredMethod):
     def bake(self, progress: Progress) -> None:
         """Bake the maps of the reflectors, lay grids around what they show, and capture the rest."""
         maps = maps_of(self.scene, self.reflectors, self.settings, Cache(), progress)
-        self._maps = ResidentMaps(self.scene, maps)
         instances = enumerate(self.scene.instances)
         shown = [index for index, one in instances if one.in_reflections and not one.reflector]
+        size, hidden = self.settings["size"], frozenset(shown)
+        self._cubes = EnvironmentCubes(self.resident, size, hidden, self.reflectors, progress)
+        self._maps = ResidentMaps(self.scene, maps)
         grid, cut, refine = self.settings["grid"] / 100.0, self.settings["cut"], self.settings["refine"]
         self._meshes = VirtualMeshes(self.scene, shown, grid, cut, refine > 0.0)
-        self._cubes = EnvironmentCubes(self.resident, self.settings["size"], frozenset(shown), self.reflectors)
         self._pictures: WeakKeyDictionary[Visibility, VirtualPicture] = WeakKeyDictionary()
 
     def reflect(self, view: View, seen: Visibility, target: moderngl.Framebuffer, **sample) -> None:
