@@ -5,6 +5,9 @@ from dataclasses import dataclass
 
 import numpy as np
 
+_AT_ONCE = 1 << 16
+"""Pairs of triangles and boxes that are held against each other in one go."""
+
 
 @dataclass(frozen=True, eq=False)
 class Near:
@@ -53,17 +56,22 @@ def _too_long(corners: np.ndarray, length: np.ndarray, things: Sequence[Near], s
     low, high = corners.min(axis=1), corners.max(axis=1)
     too_long = np.zeros(len(corners), bool)
     for thing in things:
-        around = thing.boxes[:, 0].min(axis=0), thing.boxes[:, 1].max(axis=0)
-        asked = np.flatnonzero(~too_long & _beyond(low, high, length, around, thing.least.min(), share))
-        for box, least in zip(thing.boxes, thing.least, strict=True):
-            if not len(asked):
-                break
-            beyond = _beyond(low[asked], high[asked], length[asked], box, least, share)
+        around = np.stack([thing.boxes[:, 0].min(axis=0), thing.boxes[:, 1].max(axis=0)])[None]
+        asked = np.flatnonzero(~too_long)
+        asked = asked[_beyond(low[asked], high[asked], length[asked], around, thing.least.min()[None], share)]
+        begin = 0
+        while begin < len(thing.boxes) and len(asked):
+            part = slice(begin, begin + max(1, _AT_ONCE // len(asked)))
+            beyond = _beyond(low[asked], high[asked], length[asked], thing.boxes[part], thing.least[part], share)
             too_long[asked[beyond]] = True
-            asked = asked[~beyond]
+            asked, begin = asked[~beyond], part.stop
     return too_long
 
 
-def _beyond(low: np.ndarray, high: np.ndarray, length: np.ndarray, box, least: float, share: float) -> np.ndarray:
-    gap = np.maximum(np.maximum(box[0] - high, low - box[1]), 0.0)
-    return (length > least) & (length > share * np.linalg.norm(gap, axis=1))
+def _beyond(
+    low: np.ndarray, high: np.ndarray, length: np.ndarray, boxes: np.ndarray, least: np.ndarray, share: float
+) -> np.ndarray:
+    """(T,) bool: whether edges `length` (T,) are too long for any of `boxes` (B, 2, 3), and longer than its `least`."""
+    gaps = np.maximum(np.maximum(boxes[:, 0] - high[:, None], low[:, None] - boxes[:, 1]), 0.0)
+    longest = np.maximum(least, share * np.sqrt(np.einsum("tbi,tbi->tb", gaps, gaps)))
+    return (length[:, None] > longest).any(axis=1)
