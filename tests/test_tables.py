@@ -7,6 +7,7 @@ import trimesh
 from catoptric.addon.drawing import world_box
 from catoptric.addon.drawing.lamps import world_light
 from catoptric.addon.scene import Instance, World
+from catoptric.addon.tracing import placed_box
 from hypothesis import given
 from hypothesis import strategies as st
 
@@ -31,6 +32,20 @@ def test_a_box_holds_the_corners_wherever_the_mesh_is():
 def test_boxes_of_another_mesh_are_its_own():
     one, small = ball_at(placed()), replace(BALL, positions=0.5 * BALL.positions)
     np.testing.assert_allclose(world_box(one, small), 0.5 * world_box(one, BALL), atol=1e-6)
+
+
+def test_a_drag_does_not_fill_the_memory():
+    """What is asked for again is found anew once so many places have come after it, and is the same."""
+    asked = []
+    thing, points = replace(BALL), BALL.positions
+
+    def points_of():
+        asked.append(len(asked))
+        return points
+
+    boxes = [placed_box(thing, points_of, placed((x, 0.0, 0.0)), most=3) for x in (0.0, 1.0, 0.0, 2.0, 3.0, 0.0)]
+    assert len(asked) == 5
+    np.testing.assert_array_equal(boxes[0], boxes[-1])
 
 
 @given(st.floats(0.0, 100.0))

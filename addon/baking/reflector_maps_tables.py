@@ -15,6 +15,9 @@ from .reflector_maps import ReflectorMap
 UNITS = 2
 """Texture units that the tables take."""
 
+_MOST_PLACES = 1 << 8
+"""Of a part, whose boxes are remembered; a mesh may have hundreds of parts."""
+
 
 class ResidentMaps:
     """The maps of some reflectors as gpu_shaders/virtual/maps.glsl reads them. Lives on the GL thread.
@@ -66,7 +69,8 @@ class ResidentMaps:
     @cached_property
     def boxes(self) -> np.ndarray:
         """(P, 2, 3) float64 low and high corners of the parts in the world."""
-        boxes = [placed_box(one, one.shown, self.to_world(number)) for number, one in enumerate(self.maps, 1)]
+        placed = ((one, self.to_world(number)) for number, one in enumerate(self.maps, 1))
+        boxes = [placed_box(one, one.shown, matrix, _MOST_PLACES) for one, matrix in placed]
         return np.array(boxes).reshape(-1, 2, 3)
 
     @cached_property

@@ -15,6 +15,8 @@ _BYTES, _SRGB = 1, 2
 _HOLDS_BYTES, _HOLDS_FLOATS = 1, 2
 _NONE = _MIRRORS_NOTHING = -1
 _SHAPES: "WeakKeyDictionary[Mesh, tuple[np.ndarray, np.ndarray, bool]]" = WeakKeyDictionary()
+_MOST_PLACES = 1 << 14
+"""Of a mesh, whose boxes are remembered."""
 
 
 def geometry_tables(scene: Scene) -> dict[str, np.ndarray]:
@@ -88,7 +90,7 @@ def material_defines(scene: Scene) -> dict[str, int]:
 
 def world_box(instance: Instance, mesh: Mesh) -> np.ndarray:
     """(2, 3) float64: least and greatest world corner of a mesh as an instance places it; found once for a place."""
-    return placed_box(mesh, lambda: mesh.positions, instance.matrix)
+    return placed_box(mesh, lambda: mesh.positions, instance.matrix, _MOST_PLACES)
 
 
 def _rows(parts: Sequence[np.ndarray]) -> np.ndarray:
