@@ -22,7 +22,9 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 _GL_VERSION = 410
-_POLITENESS = 10
+_POLITENESS = 19
+"""Of the GL thread, where it gives way: as `nice` counts, of which 19 is the most."""
+
 _worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="catoptric-gl")
 _local = threading.local()
 _choosing = threading.Lock()

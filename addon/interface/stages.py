@@ -19,6 +19,7 @@ from . import lights
 from .choices import method_of
 from .in_place import InPlace
 from .leaving import forgetting_factory
+from .work import redraw_panels
 
 ENGINE = "CATOPTRIC"
 _POLL = 1.0 / 60.0
@@ -38,6 +39,7 @@ class Stage:
         self.viewers: dict[int, Hashable] = {}
         self._scene, self._layer = scene.session_uid, layer.name
         self.stale = True
+        self._panels_say = self._said()
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -65,6 +67,16 @@ class Stage:
         self.problem, self.found = "", found
         self.shown, lighting = lights.shown(scene, found)
         self.act = self.studio.show(Act(self.shown, lighting, assignment(scene, found)))
+
+    def has_news_for_panels(self) -> bool:
+        """Whether what panels say of it has changed since this was asked last; they are dear to draw."""
+        before, self._panels_say = self._panels_say, self._said()
+        return before != self._panels_say
+
+    def _said(self) -> tuple:
+        studio = self.studio
+        under_way = (studio.stage, round(studio.fraction, 2)) if studio.stage and studio.busy else None
+        return self.problem, self.warnings, studio.problem, studio.choices, under_way
 
 
 def assignment(bpy_scene: bpy.types.Scene, scene: Scene) -> Assignment:
@@ -123,6 +135,8 @@ def _poll() -> float | None:
     if _news.is_set():
         _news.clear()
         _redraw_viewports()
+    if [stage for stage in _stages.values() if stage.has_news_for_panels()]:  # each is asked
+        redraw_panels()
     at_work = any(stage.stale or stage.studio.busy for stage in _stages.values())
     return _POLL if at_work or _news.is_set() else None
 
@@ -133,7 +147,9 @@ def _redraw_viewports() -> None:
             continue
         for area in window.screen.areas:
             if area.type == "VIEW_3D" and area.spaces.active.shading.type == "RENDERED":
-                area.tag_redraw()
+                for region in area.regions:
+                    if region.type == "WINDOW":  # not the sidebar and the headers, which show no picture
+                        region.tag_redraw()
 
 
 def _close_all() -> None:

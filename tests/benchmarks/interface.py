@@ -3,9 +3,10 @@
 Run: python tests/benchmarks/interface.py [--part stalls|copy|idle|bakes|redraws ...] [--pictures FOLDER]
 
 It opens Blender on a screen that nobody sees, with the zip as it is packed now, on the scene mirror-ball; it needs what
-`tests/gui` needs. `stalls` has a timer tick every 10 ms while the view turns or an object moves: Blender alone in Solid
-mode, then Rendered by Catoptric, with the longest that each of our functions held the main thread. `copy` turns the
-camera of a viewport of 960 × 540. `idle` is the processor's time over 10 s at rest. `bakes` and `redraws` are what the
+`tests/gui` needs. `stalls` has a timer tick every 10 ms while the view turns or an object moves, in a viewport of
+960 × 540, with Blender's own overlays and without: Rendered by an engine that draws nothing, which is what Blender
+alone takes, then by Catoptric, with the longest that each of our functions held the main thread. `copy` turns the
+camera of a viewport of that size. `idle` is the processor's time over 10 s at rest. `bakes` and `redraws` are what the
 process holds in memory while it bakes 200 times by the panel's own operator, and while it draws 1,000 views. At the end
 it says what Blender printed.
 """
@@ -28,12 +29,27 @@ from catoptric.tests.gui.machine import find
 from catoptric.tests.gui.window import Window
 
 SCENE, MOVED = "mirror-ball", "Suzanne left"
-TICKS, TURNS = 400, 100
+VIEWPORT = (960, 540)
+TICKS, TURNS = 500, 100
+STALL_MS = 100.0
 BAKES, REDRAWS, EVERY = 200, 1000, 50
 IDLE_S = 10.0
 
 MODE = "view3d()[1].spaces.active.shading.type = {!r}"
-ENGINE = "bpy.context.scene.render.engine = 'CATOPTRIC'"
+ENGINE = "bpy.context.scene.render.engine = {!r}"
+OVERLAYS = "view3d()[1].spaces.active.overlay.show_overlays = {!r}"
+NOTHING = """
+class Nothing(bpy.types.RenderEngine):
+    bl_idname, bl_label = "NOTHING", "Nothing"
+
+    def view_update(self, context, depsgraph):
+        pass
+
+    def view_draw(self, context, depsgraph):
+        pass
+
+bpy.utils.register_class(Nothing)
+"""
 EYE = "probe.look_at('Ball', 4.0)"
 WHOLE = """
 window, area, regions = view3d()
@@ -82,7 +98,7 @@ class Bench:
         with window:
             window.python(f"bpy.ops.wm.open_mainfile(filepath={str(scene)!r})")
             window.settle(2.0)
-            window.python(ENGINE)
+            window.python(ENGINE.format("CATOPTRIC"))
             window.python(EYE)
             yield window
             if self.pictures:
@@ -91,11 +107,12 @@ class Bench:
         self.printed.update(re.sub(r"^[\d:.]+ +", "", line.replace(str(self.machine.share), "")) for line in lines)
 
 
-def rendered(window: Window) -> None:
-    """Have Catoptric draw, and wait until it has."""
+def rendered(window: Window, engine: str = "CATOPTRIC") -> None:
+    """Have the engine draw; wait until Catoptric has."""
     window.python(MODE.format("RENDERED"))
     window.settle(1.0)
-    window.until("probe.at_rest()")
+    if engine == "CATOPTRIC":
+        window.until("probe.at_rest()")
 
 
 def spread(values: Sequence[float]) -> str:
@@ -107,27 +124,41 @@ def spread(values: Sequence[float]) -> str:
 def stalls(bench: Bench) -> None:
     """How far apart the ticks of a timer are, and who held the main thread."""
     held: dict[str, list[float]] = {}
-    with bench.window("stalls") as window:
-        for mode in ("SOLID", "RENDERED"):
-            window.python(MODE.format(mode)) if mode == "SOLID" else rendered(window)
-            for name, step in {"orbit": "probe.orbit", "object moves": f"probe.shift({MOVED!r})"}.items():
-                window.settle(2.0)
-                window.python(f"probe.motion = probe.Motion({step}, {TICKS})")
-                window.until("probe.motion.over", 300.0)
-                result = json.loads(window.python("print(probe.motion.result())"))
-                print(f"{mode.lower():9} {name:13} {spread(result['gaps'][TICKS // 10 :])}")
-                for function, times in result["held"].items():
-                    held.setdefault(function, []).extend(times)
-            if bench.pictures:
-                window.picture(bench.pictures / f"stalls-{mode.lower()}.png")
+    with bench.window("stalls", *VIEWPORT) as window:
+        window.python(WHOLE)
+        window.python(NOTHING)
+        for overlays in (True, False):
+            window.python(OVERLAYS.format(overlays))
+            for engine in ("NOTHING", "CATOPTRIC"):
+                window.python(ENGINE.format(engine))
+                rendered(window, engine)
+                for name, step in {"orbit": "probe.orbit", "object moves": f"probe.shift({MOVED!r})"}.items():
+                    gaps, times = moved(window, step)
+                    print(
+                        f"{'with' if overlays else 'without'} overlays, {engine.lower():9} {name:13} {spread(gaps)}, "
+                        f"over {STALL_MS:.0f} ms: {sum(gap > STALL_MS for gap in gaps)} of {len(gaps)}"
+                    )
+                    for function, own in times.items():
+                        held.setdefault(function, []).extend(own)
+                if bench.pictures:
+                    window.picture(bench.pictures / f"stalls-{engine.lower()}-{overlays}.png")
     print("the main thread, held by our own functions:")
     for function, times in sorted(held.items(), key=lambda item: -max(item[1])):
         print(f"  {function:44} {len(times):5} calls, {spread(times)}")
 
 
+def moved(window: Window, step: str) -> tuple[list[float], dict[str, list[float]]]:
+    """Milliseconds between the ticks of a timer while something moves, and those that our functions took."""
+    window.settle(2.0)
+    window.python(f"probe.motion = probe.Motion({step}, {TICKS})")
+    window.until("probe.motion.over", 300.0)
+    result = json.loads(window.python("print(probe.motion.result())"))
+    return result["gaps"][TICKS // 10 :], result["held"]
+
+
 def copy(bench: Bench) -> None:
     """What the way to the screen takes of a frame."""
-    with bench.window("copy", 960, 540) as window:
+    with bench.window("copy", *VIEWPORT) as window:
         window.python(WHOLE)
         rendered(window)
         print("viewport", window.python(SIZE).strip())
