@@ -132,7 +132,7 @@ def _shelf(wood, place) -> None:
         _block(f"Shelf side {side}", (0.03, 0.28, 1.9), wood, (x + side * 0.5, y, 0.0))
     for level in range(5):
         height = 0.06 + 0.45 * level
-        _block(f"Shelf board {level}", (1.0, 0.28, 0.03), wood, (x, y, height))
+        _block(f"Shelf board {level}", (0.97, 0.28, 0.03), wood, (x, y, height))
         left = x - 0.46
         while level < 4 and left < x + random.uniform(0.2, 0.42):
             width, tall = random.uniform(0.025, 0.06), random.uniform(0.22, 0.36)
