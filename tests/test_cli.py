@@ -2,7 +2,6 @@
 
 import json
 import os
-import resource
 import signal
 import subprocess
 import sys
@@ -83,10 +82,17 @@ def results_in(folder: Path) -> dict:
     return json.loads((folder / "results.json").read_text())
 
 
-def start(*arguments: object, **options) -> subprocess.Popen:
-    """The command in a process of its own, which minds Ctrl-C even if these tests run in the background."""
+def start(*arguments: object, first: str = "pass", **options) -> subprocess.Popen:
+    """The command in a process of its own, which minds Ctrl-C even if these tests run in the background.
+
+    `first` is Python that runs there before it: `preexec_fn` may hang where threads run.
+    """
     minded = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
-    command = [sys.executable, "-c", f"{minded}; import sys; from catoptric.batch.cli import main; sys.exit(main())"]
+    command = [
+        sys.executable,
+        "-c",
+        f"{minded}; {first}; import sys; from catoptric.batch.cli import main; sys.exit(main())",
+    ]
     return subprocess.Popen(
         [*command, *map(str, arguments)], stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True, **options
     )
@@ -367,9 +373,8 @@ def test_a_folder_that_is_a_file(blend, complain, tmp_path):
 
 def test_a_full_disk_is_named_and_leaves_no_half_file(blend, tmp_path):
     out = tmp_path / "stage.catoptric"
-    process = start(
-        "export", blend, "--out", out, preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))
-    )
+    small = "import resource; resource.setrlimit(resource.RLIMIT_FSIZE, (4096, 4096))"
+    process = start("export", blend, "--out", out, first=small)
     _, said = process.communicate(timeout=120)
     assert process.returncode == 2
     assert "stage.catoptric" in said
