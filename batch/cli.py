@@ -29,7 +29,6 @@ from .sources import locate
 DEMONSTRATION = ("mirror-ball", "hollow-box", "genus3")
 """What `compare` shows when no scene is named: three that end within four minutes on two cores."""
 
-_MOST = ", ".join(f"{most} {lighting}" for lighting, most in MOST.items())
 
 app = typer.Typer(
     help="Render reflections in real time and measure how far each technique is from Cycles. "
@@ -70,7 +69,7 @@ def compare(
         typer.Option(
             min=1,
             help=f"Cycles' samples a pixel, the methods get half as many, up to 256. Unless given, Cycles goes on "
-            f"until its own noise over the reflectors is FLIP {NOISE} or less, or to {_MOST}. "
+            f"until its own noise over the reflectors is FLIP {NOISE} or less, or to {MOST}. "
             "With --against the methods' own; 1.",
         ),
     ] = None,

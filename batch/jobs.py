@@ -244,7 +244,7 @@ class _Comparison:
         if self.job.samples:
             return self.job.samples
         taken = (row.samples.reference for row in self.results.results if self._stands(row, source))
-        return next(filter(None, taken), None) or enough(shot.scene, self.job.lighting, shot.size)
+        return next(filter(None, taken), None) or enough(shot.scene, shot.size)
 
     def _judge_by_kept(self, shot: Shot) -> None:
         """Take the picture that an earlier run drew with the method that is the reference."""

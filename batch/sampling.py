@@ -2,7 +2,7 @@
 
 from ..addon.drawing import reflectors_seen
 from ..addon.metrics import Enough
-from ..addon.scene import Lighting, Scene
+from ..addon.scene import Scene
 
 NOISE = 0.006
 """FLIP over the reflectors that a reference which chooses its samples itself may have of its own."""
@@ -10,8 +10,8 @@ NOISE = 0.006
 LEAST = 64
 """The samples at which it stops first: half of fewer would be too few for the methods' own edges."""
 
-MOST = {Lighting.UNLIT: 512, Lighting.CYCLES: 512, Lighting.DIRECT: 512}
-"""The samples at which it stops in any case. Without light, only edges are noisy."""
+MOST = 512
+"""The samples at which it stops in any case."""
 
 LIGHT = 512
 """What baked light follows as long as the reference's samples are not known."""
@@ -22,9 +22,9 @@ WITHOUT_REFERENCE = 32
 _LEAST_SIDE, _MOST_SIDE = 2, 16
 
 
-def enough(scene: Scene, lighting: Lighting, size: tuple[int, int]) -> Enough:
+def enough(scene: Scene, size: tuple[int, int]) -> Enough:
     """Samples for a reference whose own noise is not laid at the methods' door."""
-    return Enough(reflectors_seen(scene, *size), NOISE, LEAST, MOST[lighting])
+    return Enough(reflectors_seen(scene, *size), NOISE, LEAST, MOST)
 
 
 def supersampling(samples: int, against: str | None = None) -> int:

@@ -111,7 +111,7 @@ def reference(
     bar = terminal.bar(source.name)
     with seen_by(source.bpy_scene, camera, *size):
         scene = source.scene(None, bar.step("scene", 0.0, 0.1))
-        samples = samples or enough(scene, lighting, size)
+        samples = samples or enough(scene, size)
         shown = render_reference(
             source.bpy_scene, scene, lighting, *size, samples, Cache(), bar.step("reference", 0.1, 1.0)
         )

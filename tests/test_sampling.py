@@ -5,7 +5,6 @@ from pathlib import Path
 
 import bpy
 import pytest
-from catoptric.addon.scene import Lighting
 from catoptric.batch import sampling
 from catoptric.batch.cli import main
 
@@ -43,7 +42,7 @@ def flight(tmp_path_factory) -> Path:
 @pytest.fixture
 def compare(flight, tmp_path, monkeypatch):
     """Compare without saying how many samples; returns the rows. Few are enough, so that it is soon done."""
-    monkeypatch.setitem(sampling.MOST, Lighting.UNLIT, 128)
+    monkeypatch.setattr(sampling, "MOST", 128)
     monkeypatch.setattr(sampling, "LEAST", 32)
     monkeypatch.setattr(sampling, "NOISE", BOUND)
 

@@ -4,34 +4,36 @@ from dataclasses import replace
 
 import numpy as np
 import trimesh
-from catoptric.addon.drawing import world_box
+from catoptric.addon.drawing import world_boxes
 from catoptric.addon.drawing.lamps import world_light
-from catoptric.addon.scene import Instance, World
+from catoptric.addon.scene import Camera, World
 from catoptric.addon.tracing import placed_box
 from hypothesis import given
 from hypothesis import strategies as st
 
-from .stage import mesh_of, placed
+from .stage import mesh_of, placed, scene_of
 
 BALL = mesh_of(trimesh.creation.icosphere(subdivisions=2))
 
 
-def ball_at(matrix):
-    """An instance of BALL, or of another mesh."""
-    return Instance("ball", 0, matrix, (0,))
+def boxes_of(*parts):
+    """The boxes of meshes at matrices."""
+    scene = scene_of([(mesh, matrix, False) for mesh, matrix in parts], Camera(np.eye(4)))
+    return world_boxes(scene, range(len(parts)))
 
 
 def test_a_box_holds_the_corners_wherever_the_mesh_is():
     for turn in (0.5, 2.0, 0.5):
         matrix = placed((turn, 0.0, -turn), (1.0, 2.0, 3.0), turn, (1.0, 1.0, 0.0))
         corners = BALL.corners.reshape(-1, 3) @ matrix[:3, :3].T + matrix[:3, 3]
-        box = world_box(ball_at(matrix), BALL)
+        (box,) = boxes_of((BALL, matrix))
         np.testing.assert_allclose(box, [corners.min(axis=0), corners.max(axis=0)], atol=1e-6)
 
 
 def test_boxes_of_another_mesh_are_its_own():
-    one, small = ball_at(placed()), replace(BALL, positions=0.5 * BALL.positions)
-    np.testing.assert_allclose(world_box(one, small), 0.5 * world_box(one, BALL), atol=1e-6)
+    small = replace(BALL, positions=0.5 * BALL.positions)
+    whole, half = boxes_of((BALL, placed()), (small, placed()))
+    np.testing.assert_allclose(half, 0.5 * whole, atol=1e-6)
 
 
 def test_a_drag_does_not_fill_the_memory():

@@ -9,7 +9,7 @@ from pathlib import Path
 import numpy as np
 
 from ..cache import Cache
-from ..drawing import Resident, world_box
+from ..drawing import Resident, world_boxes
 from ..errors import SceneError, UsageError
 from ..gl import on_gl_thread
 from ..parameters import Parameter, Value, resolve
@@ -210,7 +210,7 @@ class _Export:
         entry = {
             "reflector": instance.name,
             "object_to_world": instance.matrix.tolist(),
-            "centre": world_box(instance, self._scene.meshes[instance.mesh]).mean(axis=0).tolist(),
+            "centre": world_boxes(self._scene, [reflector])[0].mean(axis=0).tolist(),
             "size": size,
             "file": path.name,
             "format": "RGB 16-bit float",

@@ -5,7 +5,7 @@ from collections.abc import Sequence
 import moderngl
 import numpy as np
 
-from ..drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility, world_box, world_to_clip
+from ..drawing import FREE_UNIT, Part, Resident, ScreenPass, Visibility, world_boxes, world_to_clip
 from ..errors import MachineError
 from ..gl import DataTexture, read_back, require
 from ..progress import Progress, silent
@@ -121,7 +121,7 @@ def face_cameras(centre: np.ndarray, boxes: np.ndarray, size: int) -> list[Camer
 
 def _boxes(scene: Scene, reflectors: Sequence[int]) -> np.ndarray:
     """(reflectors, 3, 4) float32: centre of each reflector, and low and high corner of the box around the rest."""
-    around = np.array([world_box(instance, scene.meshes[instance.mesh]) for instance in scene.instances])
+    around = world_boxes(scene, range(len(scene.instances)))
     rows = np.zeros((len(reflectors), 3, 4), np.float32)
     for row, reflector in zip(rows, reflectors, strict=True):
         rest = np.delete(around, reflector, axis=0) if len(around) > 1 else around

@@ -2,13 +2,13 @@
 
 import numpy as np
 
-from ..drawing import world_box
+from ..drawing import world_boxes
 from ..scene import Scene
 
 
 def surroundings(scene: Scene) -> frozenset[int]:
     """Instances whose box holds a whole reflector: rooms and skies."""
-    boxes = np.array([world_box(instance, scene.meshes[instance.mesh]) for instance in scene.instances])
+    boxes = world_boxes(scene, range(len(scene.instances)))
     around = set()
     for reflector in scene.reflectors:
         low, high = boxes[reflector]

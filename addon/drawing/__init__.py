@@ -8,7 +8,7 @@ from .passes import ScreenPass
 from .rasteriser import MOST_CUTS
 from .reflectors_seen import reflectors_seen
 from .resident import FREE_UNIT, Resident
-from .tables import first_triangles, world_box
+from .tables import first_triangles, world_boxes
 from .trees import grow_trees
 from .visibility import Part, Visibility, camera_uniforms, world_to_clip
 
@@ -29,6 +29,6 @@ __all__ = [
     "layer_view",
     "raise_columns",
     "reflectors_seen",
-    "world_box",
+    "world_boxes",
     "world_to_clip",
 ]

@@ -1,7 +1,7 @@
 """A Scene as the tables that gpu_shaders/common reads: plain arrays, one row a texel."""
 
 from collections import defaultdict
-from collections.abc import Iterator, Mapping, Sequence
+from collections.abc import Iterable, Iterator, Mapping, Sequence
 from itertools import count
 from weakref import WeakKeyDictionary
 
@@ -88,8 +88,13 @@ def material_defines(scene: Scene) -> dict[str, int]:
     }
 
 
-def world_box(instance: Instance, mesh: Mesh) -> np.ndarray:
-    """(2, 3) float64: least and greatest world corner of a mesh as an instance places it; found once for a place."""
+def world_boxes(scene: Scene, indices: Iterable[int]) -> np.ndarray:
+    """(N, 2, 3) float64: least and greatest world corner of each of some instances; found once for a place."""
+    instances = [scene.instances[index] for index in indices]
+    return np.array([_world_box(one, scene.meshes[one.mesh]) for one in instances]).reshape(-1, 2, 3)
+
+
+def _world_box(instance: Instance, mesh: Mesh) -> np.ndarray:
     return placed_box(mesh, lambda: mesh.positions, instance.matrix, _MOST_PLACES)
 
 
@@ -203,8 +208,7 @@ def _images(images: Sequence[Image]) -> dict[str, np.ndarray]:
 
 def _hierarchy(scene: Scene) -> np.ndarray:
     shown = np.array([index for index, instance in enumerate(scene.instances) if instance.in_reflections], int)
-    boxes = [world_box(scene.instances[index], scene.meshes[scene.instances[index].mesh]) for index in shown]
-    nodes = build_hierarchy(np.array(boxes).reshape(-1, 2, 3)).reshape(-1, 2, 4)
+    nodes = build_hierarchy(world_boxes(scene, shown)).reshape(-1, 2, 4)
     leaves = nodes[:, 1, 3] >= 0
     nodes[leaves, 1, 3] = shown[nodes[leaves, 1, 3].astype(int)]
     margin = 1e-5 * (1.0 + np.abs(nodes[:, :, :3]))

@@ -4,7 +4,7 @@ from dataclasses import replace
 
 import numpy as np
 
-from ...addon.drawing import world_box
+from ...addon.drawing import world_boxes
 from ...addon.scene import Camera, Scene
 from .camera import Flight, Pose
 from .keys import FLYING, wish_of
@@ -110,8 +110,8 @@ def turn_per_pixel(camera: Camera, size: tuple[int, int]) -> float:
 
 def _first_speed(scene: Scene) -> float:
     """Metres a second."""
-    boxes = [world_box(scene.instances[index], scene.meshes[scene.instances[index].mesh]) for index in scene.reflectors]
-    if not boxes:
+    boxes = world_boxes(scene, scene.reflectors)
+    if not len(boxes):
         return 1.0
     distance = np.linalg.norm(np.mean(boxes, axis=(0, 1)) - scene.camera.position)
     return max(_LEAST_SPEED, float(distance) / _SECONDS_ACROSS)

@@ -9,7 +9,7 @@ import numpy as np
 from ...baking.reflector_maps import reflector_maps
 from ...baking.reflector_maps_tables import ResidentMaps
 from ...cache import Cache
-from ...drawing import world_box, world_to_clip
+from ...drawing import world_boxes, world_to_clip
 from ...gl import feedback, on_gl_thread, read_back, require
 from ...parameters import Value
 from ...scene import Scene
@@ -71,8 +71,7 @@ def convergence(
 def _largest(scene: Scene, size: tuple[int, int]) -> int | None:
     """The reflector whose box covers most of the picture."""
     clip, areas = world_to_clip(scene.camera, *size), {}
-    for index in scene.reflectors:
-        box = world_box(scene.instances[index], scene.meshes[scene.instances[index].mesh])
+    for index, box in zip(scene.reflectors, world_boxes(scene, scene.reflectors), strict=True):
         corners = np.array([[*np.where(bits, box[1], box[0]), 1.0] for bits in np.ndindex(2, 2, 2)]) @ clip.T
         if (corners[:, 3] > 0.0).all():
             shown = np.clip(corners[:, :2] / corners[:, 3:], -1.0, 1.0)

@@ -6,7 +6,7 @@ from enum import Enum
 import moderngl
 import numpy as np
 
-from ...drawing import first_triangles, world_box
+from ...drawing import first_triangles, world_boxes
 from ...gl import DataTexture, require
 from ...scene import Scene
 from ...tracing import Near, cell_tree, cut_near, interpolation_grid
@@ -129,8 +129,7 @@ def _placed(scene: Scene, index: int, cut: float) -> tuple[np.ndarray, ...]:
 
 def _near(scene: Scene) -> list[Near]:
     """The reflectors: an edge of a tenth of one's size is short enough however near it is."""
-    reflectors = [scene.instances[index] for index in scene.reflectors]
-    boxes = [world_box(one, scene.meshes[one.mesh]) for one in reflectors]
+    boxes = world_boxes(scene, scene.reflectors)
     return [Near(box[None], np.array([_LEAST * np.linalg.norm(box[1] - box[0])])) for box in boxes]
 
 
