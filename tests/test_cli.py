@@ -83,10 +83,7 @@ def results_in(folder: Path) -> dict:
 
 
 def start(*arguments: object, first: str = "pass", **options) -> subprocess.Popen:
-    """The command in a process of its own, which minds Ctrl-C even if these tests run in the background.
-
-    `first` is Python that runs there before it: `preexec_fn` may hang where threads run.
-    """
+    """A process of its own that runs `first`, which is safe among threads, then the command. It minds Ctrl-C."""
     minded = "import signal; signal.signal(signal.SIGINT, signal.default_int_handler)"
     command = [
         sys.executable,

@@ -7,7 +7,7 @@ from catoptric.addon.blender.extract import extract
 from catoptric.addon.scene import Extension, Interpolation
 from catoptric.tests import blender_stage as stage
 from catoptric.tests import extract_stage as plain
-from hypothesis import HealthCheck, given, settings
+from hypothesis import HealthCheck, example, given, settings
 from hypothesis import strategies as st
 
 
@@ -78,6 +78,10 @@ vectors = st.tuples(numbers, numbers, numbers)
     rotation=vectors,
     scale=vectors,
 )
+@example(kind="POINT", output="UV", location=(0.2, 0.5, 0.0), rotation=(0.3, 0.0, 0.0), scale=(0.0, 0.0, 0.0))
+@example(kind="POINT", output="UV", location=(0.2, 0.5, 0.0), rotation=(0.3, 0.0, 0.0), scale=(0.0, 0.0, 1.0))
+@example(kind="VECTOR", output="UV", location=(0.2, 0.5, 0.0), rotation=(0.3, 0.0, 0.0), scale=(0.0, 0.0, 0.0))
+@example(kind="TEXTURE", output="UV", location=(0.2, 0.5, 0.0), rotation=(0.3, 0.0, 0.0), scale=(0.0, 0.0, 0.0))
 def test_mapped_coordinates(tmp_path_factory, kind, output, location, rotation, scale):
     scene, shaped = plain.plane_scene()
     material, node = plain.textured(image=plain.noise_image(width=3, height=2))

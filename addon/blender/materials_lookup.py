@@ -88,7 +88,8 @@ def _mapping(found: Source, vector: Callable) -> np.ndarray:
         matrix[:3, 3] = -matrix[:3, :3] @ location
         return matrix
     matrix[:3, :3] = matrix[:3, :3] @ np.diag(scale)
-    if node.vector_type == "POINT":
+    # Cycles gives 0 where nothing is left of the vector, and does not move it then.
+    if node.vector_type == "POINT" and scale.any():
         matrix[:3, 3] = location
     return matrix
 
