@@ -29,7 +29,6 @@ from .sources import locate
 DEMONSTRATION = ("mirror-ball", "hollow-box", "genus3")
 """What `compare` shows when no scene is named: three that end within four minutes on two cores."""
 
-
 app = typer.Typer(
     help="Render reflections in real time and measure how far each technique is from Cycles. "
     "SCENE is a .blend file, an archive that `export` wrote, or a scene that ships: " + ", ".join(SCENES) + ".",

@@ -31,8 +31,8 @@ def in_one_plane(scene: Scene) -> int:
     found = np.zeros(SIZE[0] * SIZE[1], bool)
     for bit in range((len(numbers) - 1).bit_length()):
         one, other = (distances(scene, numbers[(numbers >> bit & 1) == side]) for side in (0, 1))
-        nearest = np.minimum(one, other)
-        found |= np.isfinite(nearest) & (np.abs(one - np.where(np.isfinite(other), other, -1.0)) <= TOGETHER * nearest)
+        nearer, farther = np.minimum(one, other), np.maximum(one, other)
+        found |= np.isfinite(farther) & (farther <= (1.0 + TOGETHER) * nearer)
     return int(found.sum())
 
 
