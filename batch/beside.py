@@ -34,13 +34,20 @@ def _watch_over() -> None:
     os._exit(_STOPPED)
 
 
+def _give_way() -> None:
+    """The Blender that somebody works in comes first, its most patient thread too: see `addon.gl.give_way`."""
+    if hasattr(os, "SCHED_IDLE"):
+        os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
+    elif hasattr(os, "nice"):
+        os.nice(_POLITENESS)
+
+
 if __name__ == "__main__":
     paths, request = sys.argv[sys.argv.index("--") + 1 :]
     sys.path += [path for path in paths.split(os.pathsep) if path not in sys.path]
     os.environ["CATOPTRIC_PROGRESS"] = "lines"
     threading.Thread(target=_watch_over, daemon=True).start()
-    if hasattr(os, "nice"):
-        os.nice(_POLITENESS)  # the Blender that somebody works in comes first
+    _give_way()
     try:
         _load_package()
         status = importlib.import_module("catoptric.batch.requests").main(request)

@@ -22,8 +22,6 @@ P = ParamSpec("P")
 R = TypeVar("R")
 
 _GL_VERSION = 410
-_POLITENESS = 19
-"""Of the GL thread, where it gives way: as `nice` counts, of which 19 is the most."""
 
 _worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="catoptric-gl")
 _local = threading.local()
@@ -90,13 +88,14 @@ def adopt(context: moderngl.Context) -> None:
 
 @on_gl_thread
 def give_way() -> None:
-    """Let other threads of this process go before the GL thread, and before the threads its driver starts from now on.
+    """Let every other thread go before the GL thread, and before the threads its driver starts from now on.
 
-    For a program with an interface, before anything is drawn: where OpenGL is software, it fills every core, and
+    For a program with an interface where OpenGL is software, before anything is drawn: it fills every core, and
     whoever moves the mouse would wait for it. Only Linux, where such machines are, counts priorities by thread.
+    Politeness alone (`nice`) would not do: the scheduler lets a polite thread end the milliseconds it has begun.
     """
-    if sys.platform.startswith("linux"):
-        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _POLITENESS)
+    if hasattr(os, "SCHED_IDLE"):
+        os.sched_setscheduler(threading.get_native_id(), os.SCHED_IDLE, os.sched_param(0))
 
 
 def _own(make: Callable[[], moderngl.Context]) -> None:

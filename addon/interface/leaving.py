@@ -5,10 +5,10 @@ from collections.abc import Callable
 import bpy
 
 
-def forgetting_factory(forget: Callable[[], None], timer: Callable) -> tuple[Callable[[], None], Callable[[], None]]:
+def forgetting_factory(forget: Callable[[], None], *timers: Callable) -> tuple[Callable[[], None], Callable[[], None]]:
     """A module's `register` and `unregister`: `forget` is called when another file is opened, and at the end.
 
-    `timer` is the module's own, which is stopped with it.
+    `timers` are the module's own, which are stopped with it.
     """
 
     @bpy.app.handlers.persistent
@@ -20,8 +20,9 @@ def forgetting_factory(forget: Callable[[], None], timer: Callable) -> tuple[Cal
 
     def unregister() -> None:
         bpy.app.handlers.load_pre.remove(leave_file)
-        if bpy.app.timers.is_registered(timer):
-            bpy.app.timers.unregister(timer)
+        for timer in timers:
+            if bpy.app.timers.is_registered(timer):
+                bpy.app.timers.unregister(timer)
         forget()
 
     return register, unregister

@@ -4,6 +4,7 @@ import threading
 from collections.abc import Hashable
 
 import bpy
+import gpu
 import numpy as np
 
 from ..blender.extract import extract
@@ -158,12 +159,18 @@ def _close_all() -> None:
     _stages.clear()
 
 
+def _give_way() -> None:
+    """Have a software OpenGL wait for Blender; it says whether it is one as soon as its window is open."""
+    if gpu.platform.device_type_get() == "SOFTWARE":
+        give_way()
+
+
 lights.when_read = touch
-_register, unregister = forgetting_factory(_close_all, _poll)
+_register, unregister = forgetting_factory(_close_all, _poll, _give_way)
 
 
 def register() -> None:
     """Be ready for viewports."""
     if not bpy.app.background:
-        give_way()
+        bpy.app.timers.register(_give_way, persistent=True)
     _register()
