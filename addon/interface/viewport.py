@@ -86,4 +86,4 @@ def _develop_of(stage: Stage, overlay: str) -> Develop:
 def _texture(pixels: np.ndarray) -> gpu.types.GPUTexture:
     height, width = pixels.shape[:2]
     data = gpu.types.Buffer("FLOAT", pixels.size, pixels)
-    return gpu.types.GPUTexture((width, height), format="RGBA16F", data=data)
+    return gpu.types.GPUTexture((width, height), format="RGBA32F", data=data)
