@@ -1,10 +1,11 @@
 """What a viewport's stage tells of itself, and whom it lets go first."""
 
-import os
 import subprocess
 import sys
+from collections.abc import Callable
 
 import pytest
+from catoptric.addon.interface import stages
 
 from .interface_stage import found, registered, small_scene, until
 
@@ -12,34 +13,58 @@ LATER = """
 import os, threading
 from catoptric.addon.gl import call, give_way
 give_way()
-print(call(lambda: os.getpriority(os.PRIO_PROCESS, threading.get_native_id())), os.getpriority(os.PRIO_PROCESS, 0))
+policies = [call(lambda: os.sched_getscheduler(threading.get_native_id())), os.sched_getscheduler(0)]
+print(*(policy == os.SCHED_IDLE for policy in policies))
 """
 
 
-def test_panels_have_news_when_a_choice_or_a_problem_is_new_and_only_then():
+def test_what_panels_say_is_new_when_a_choice_or_a_problem_is_and_only_then():
     with registered():
         scene = small_scene()
         scene.catoptric.method = "environment-map"
         stage = found()
+        said = [stage.said]
+
+        def after(change: Callable[[], None]) -> bool:
+            change()
+            until(lambda: not stage.studio.busy)
+            said.append(stage.said)
+            return said[-1] != said[-2]
+
+        def fail() -> None:
+            stage.studio.problem = "out of memory"
+
+        def choose() -> None:
+            scene.catoptric.method = "layered-depth"
+            stage.read()
+
+        after(stage.read)
+        assert not after(stage.read)
+        assert after(choose)
+        assert after(fail)
+        assert after(stage.read)  # the problem is over
+        assert not after(stage.read)  # a scene that reads as before
+
+
+def test_panels_are_drawn_again_when_what_they_say_is_new(monkeypatch):
+    drawn = []
+    monkeypatch.setattr(stages, "redraw_panels", lambda: drawn.append(True))
+    with registered():
+        small_scene()
+        stage = found()
         until(lambda: not stage.studio.busy)
-        assert stage.has_news_for_panels()
-        assert not stage.has_news_for_panels()
-        scene.catoptric.method = "layered-depth"
-        stage.read()
-        until(lambda: not stage.studio.busy)
-        assert stage.has_news_for_panels()
+        stages._poll()
+        drawn.clear()
+        stages._poll()
+        assert not drawn
         stage.studio.problem = "out of memory"
-        assert stage.has_news_for_panels()
-        stage.read()  # a scene that reads as before
-        until(lambda: not stage.studio.busy)
-        assert stage.has_news_for_panels()  # the problem is over
-        stage.read()
-        until(lambda: not stage.studio.busy)
-        assert not stage.has_news_for_panels()
+        stages._poll()
+        assert len(drawn) == 1
+        stages._poll()
+        assert len(drawn) == 1
 
 
 @pytest.mark.skipif(not sys.platform.startswith("linux"), reason="only Linux counts priorities by thread")
 def test_the_gl_thread_gives_way_and_it_alone():
     said = subprocess.run([sys.executable, "-c", LATER], capture_output=True, text=True, check=True).stdout
-    own = os.getpriority(os.PRIO_PROCESS, 0)
-    assert said.split() == ["19", str(own)]
+    assert said.split() == ["True", "False"]

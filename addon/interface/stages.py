@@ -40,7 +40,6 @@ class Stage:
         self.viewers: dict[int, Hashable] = {}
         self._scene, self._layer = scene.session_uid, layer.name
         self.stale = True
-        self._panels_say = self._said()
 
     @property
     def warnings(self) -> tuple[str, ...]:
@@ -69,12 +68,9 @@ class Stage:
         self.shown, lighting = lights.shown(scene, found)
         self.act = self.studio.show(Act(self.shown, lighting, assignment(scene, found)))
 
-    def has_news_for_panels(self) -> bool:
-        """Whether what panels say of it has changed since this was asked last; they are dear to draw."""
-        before, self._panels_say = self._panels_say, self._said()
-        return before != self._panels_say
-
-    def _said(self) -> tuple:
+    @property
+    def said(self) -> tuple:
+        """What panels say of it."""
         studio = self.studio
         under_way = (studio.stage, round(studio.fraction, 2)) if studio.stage and studio.busy else None
         return self.problem, self.warnings, studio.problem, studio.choices, under_way
@@ -97,6 +93,8 @@ def _stand_in(bpy_scene: bpy.types.Scene) -> Camera | None:
 
 _stages: dict[tuple[int, str], Stage] = {}
 _news = threading.Event()
+_in_panels: list[tuple] = []
+"""What every stage said when panels were drawn last."""
 
 
 def stage_of(depsgraph: bpy.types.Depsgraph) -> Stage:
@@ -136,10 +134,18 @@ def _poll() -> float | None:
     if _news.is_set():
         _news.clear()
         _redraw_viewports()
-    if [stage for stage in _stages.values() if stage.has_news_for_panels()]:  # each is asked
-        redraw_panels()
+    _redraw_panels_that_lag()
     at_work = any(stage.stale or stage.studio.busy for stage in _stages.values())
     return _POLL if at_work or _news.is_set() else None
+
+
+def _redraw_panels_that_lag() -> None:
+    """Panels are dear to draw: only when what they say has changed."""
+    global _in_panels
+    said = [stage.said for stage in _stages.values()]
+    if said != _in_panels:
+        _in_panels = said
+        redraw_panels()
 
 
 def _redraw_viewports() -> None:
