@@ -35,7 +35,7 @@ def _watch_over() -> None:
 
 
 def _give_way() -> None:
-    """The Blender that somebody works in comes first, its most patient thread too: see `addon.gl.give_way`."""
+    """The Blender that somebody works in comes first, its most patient threads too: see `addon.gl.give_way`."""
     if hasattr(os, "SCHED_IDLE"):
         os.sched_setscheduler(0, os.SCHED_IDLE, os.sched_param(0))
     elif hasattr(os, "nice"):

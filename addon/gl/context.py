@@ -23,6 +23,11 @@ R = TypeVar("R")
 
 _GL_VERSION = 410
 
+_POLITENESS = 19
+"""Of a GL thread that gives way: as `nice` counts, of which 19 is the most. It is not idle: Python would have every
+thread wait while the one that holds its lock is never given a turn.
+"""
+
 _worker = ThreadPoolExecutor(max_workers=1, thread_name_prefix="catoptric-gl")
 _local = threading.local()
 _choosing = threading.Lock()
@@ -60,7 +65,7 @@ def require() -> moderngl.Context:
     if not getattr(_local, "is_gl", False):
         raise RuntimeError("GL was touched outside its thread; use gl.call or gl.on_gl_thread")
     if getattr(_local, "context", None) is None:
-        _own(_create)
+        _own(_create_patiently if getattr(_local, "is_patient", False) else _create)
     _sweep(_local.context)
     return _local.context
 
@@ -88,14 +93,14 @@ def adopt(context: moderngl.Context) -> None:
 
 @on_gl_thread
 def give_way() -> None:
-    """Let every other thread go before the GL thread, and before the threads its driver starts from now on.
+    """Let every other thread of this process go before the GL thread, and before those that its driver starts.
 
     For a program with an interface where OpenGL is software, before anything is drawn: it fills every core, and
     whoever moves the mouse would wait for it. Only Linux, where such machines are, counts priorities by thread.
-    Politeness alone (`nice`) would not do: the scheduler lets a polite thread end the milliseconds it has begun.
     """
-    if hasattr(os, "SCHED_IDLE"):
-        os.sched_setscheduler(threading.get_native_id(), os.SCHED_IDLE, os.sched_param(0))
+    if sys.platform.startswith("linux"):
+        os.setpriority(os.PRIO_PROCESS, threading.get_native_id(), _POLITENESS)
+        _local.is_patient = True
 
 
 def _own(make: Callable[[], moderngl.Context]) -> None:
@@ -133,6 +138,26 @@ def _create() -> moderngl.Context:
             continue
         return context
     raise MachineError(_advice(reasons))
+
+
+def _create_patiently() -> moderngl.Context:
+    """A context whose driver's threads run only where nothing else would.
+
+    They take after the thread that makes it. Politeness would not do for them: the scheduler lets a polite thread
+    end the milliseconds it has begun.
+    """
+
+    def make() -> moderngl.Context:
+        os.sched_setscheduler(threading.get_native_id(), os.SCHED_IDLE, os.sched_param(0))
+        context = _create()
+        with context:
+            pass  # from here on it is current on no thread
+        return context
+
+    with ThreadPoolExecutor(max_workers=1) as beside:
+        context = beside.submit(make).result()
+    context.__enter__()
+    return context
 
 
 def _advice(reasons: list[str]) -> str:
