@@ -61,7 +61,7 @@ def convergence(
     if index is None or not len(points):
         return None
     maps = reflector_maps(scene.meshes[scene.instances[index].mesh], dict(settings), cache)
-    tables = ResidentMaps(scene, {index: maps[:_MOST_PARTS]})
+    tables = ResidentMaps(scene, {index: maps})
     try:
         return _followed(scene, size, tables, points)
     finally:
@@ -95,10 +95,7 @@ def _followed(scene: Scene, size: tuple[int, int], tables: ResidentMaps, points:
     """The errors of both searches in all parts, put together."""
     clip, eye = world_to_clip(scene.camera, *size), np.array(eye_of(scene.camera))
     errors: dict[str, list[np.ndarray]] = {"published": [], "ours": []}
-    for number in range(1, len(tables.maps) + 1):
-        rays = _rays(tables, number, eye, lambda at: _pixels(clip, size, at)[1])
-        if rays is None:
-            continue
+    for number, rays in _most_seen(tables, eye, lambda at: _pixels(clip, size, at)):
         ends = reflection_points(tables, number, eye, points, _ENDED, False, rays)
         right = (ends[:, 3] >= 0.0) & (ends[:, 3] < _RIGHT) & _is_on(tables, number, ends[:, :3])
         places, inside = _pixels(clip, size, ends[:, :3])
@@ -137,8 +134,15 @@ def _is_on(tables: ResidentMaps, number: int, points: np.ndarray) -> np.ndarray:
     return np.maximum(np.abs(x), np.abs(y)) <= one.reach * z
 
 
-def _rays(tables: ResidentMaps, number: int, eye: np.ndarray, is_shown: Callable) -> dict[str, np.ndarray] | None:
-    """The rays by which our search in a patch finds its start: some that a picture has, or None if it has none.
+def _most_seen(tables: ResidentMaps, eye: np.ndarray, pixels_of: Callable) -> list[tuple[int, dict[str, np.ndarray]]]:
+    """Numbers of the parts that have most pixels of the picture, and their rays."""
+    seen = [(number, *_rays(tables, number, eye, pixels_of)) for number in range(1, len(tables.maps) + 1)]
+    seen.sort(key=lambda part: -part[1])
+    return [(number, rays) for number, pixels, rays in seen[:_MOST_PARTS] if pixels]
+
+
+def _rays(tables: ResidentMaps, number: int, eye: np.ndarray, pixels_of: Callable) -> tuple[int, dict[str, np.ndarray]]:
+    """How many pixels of the picture a part has, and the rays by which our search in it finds its start.
 
     No picture is drawn for them: they are mirrored in the map's texels.
     """
@@ -149,11 +153,12 @@ def _rays(tables: ResidentMaps, number: int, eye: np.ndarray, is_shown: Callable
     ways = eye[:3] - eye[3] * points
     ways /= np.linalg.norm(ways, axis=1, keepdims=True)
     cosines = (ways * normals).sum(axis=1)
-    seen = np.flatnonzero((cosines > 0.0) & is_shown(points))
+    places, inside = pixels_of(points)
+    seen = np.flatnonzero((cosines > 0.0) & inside)
     if not len(seen):
-        return None
+        return 0, {}
     chosen = seen[((np.arange(SAMPLES) + 0.5) / SAMPLES * len(seen)).astype(int)]
-    return {
+    return len(np.unique(np.floor(places[seen]), axis=0)), {
         "sample_origins": points[chosen],
         "sample_directions": (2.0 * cosines[:, None] * normals - ways)[chosen],
         "sample_starts": tables.directions_of(number, points[chosen]),
