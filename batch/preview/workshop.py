@@ -5,6 +5,7 @@ from dataclasses import dataclass
 from time import perf_counter
 
 from ...addon.errors import Cancelled
+from ...addon.methods.pace import Pace
 from ...addon.progress import Progress
 from ...addon.scene import Camera, Scene
 from .look import Look
@@ -14,7 +15,6 @@ from .prepared import Choice, Prepared
 FINE = 4
 """Samples to the side of a pixel, once the camera rests."""
 
-_SLOW, _QUICK = 1 / 15, 1 / 65  # seconds for a picture in flight, when it is painted coarser, or finer again
 _COARSEST = 4
 
 
@@ -46,7 +46,7 @@ class Workshop:
         self.busy: Busy | None = None
         self.settled: Look | None = None
         self.scale = self.samples = 0
-        self.seconds = 0.0
+        self._pace = Pace(_COARSEST)
         self._painted: Subject | None = None
         self._stopped = False
 
@@ -85,14 +85,8 @@ class Workshop:
         """(scale, samples) of the picture to paint now: coarse in flight, then whole, then smooth; None if none."""
         is_new = subject != self._painted
         rested = (1, 1) if is_new or self.scale != 1 else (1, FINE)
-        wanted = (self._fluent_scale(), 1) if is_moving else rested
+        wanted = (self._pace.scale, 1) if is_moving else rested
         return wanted if is_new or wanted != (self.scale, self.samples) else None
-
-    def _fluent_scale(self) -> int:
-        """By what a picture's sides are divided, so that flying stays fluent."""
-        if self.seconds > _SLOW:
-            return min(2 * self.scale, _COARSEST)
-        return max(1, self.scale // 2) if self.seconds < _QUICK else max(1, self.scale)
 
     def paint(self, subject: Subject, scale: int, samples: int, is_wanted: Callable[[], bool]) -> None:
         """Paint the picture, unless it is no longer wanted before it is done."""
@@ -112,7 +106,7 @@ class Workshop:
             return
         self._painted, self.scale, self.samples = subject, scale, samples
         if samples == 1:
-            self.seconds = perf_counter() - start
+            self._pace.took(scale, perf_counter() - start)
 
     def release(self) -> None:
         """Give the GPU memory back."""
