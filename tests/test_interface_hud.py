@@ -9,10 +9,10 @@ from catoptric.addon.methods.contract import View
 from .interface_stage import found, registered, small_scene, until
 
 
-def told(stage, show_times=True):
+def told(stage, show_times=True, scale=1):
     """The lines from the top down, once a picture has been drawn."""
     viewer = Viewport()
-    viewer.copy_ms = 1.25
+    viewer.scale, viewer.copy_ms = scale, 1.25
     stage.studio.look(viewer, View(stage.shown.camera, 48, 32, 1), DEVELOPS["PICTURE"])
     until(lambda: stage.studio.picture(viewer))
     return hud.lines(stage, viewer, show_times)[::-1]
@@ -29,6 +29,13 @@ def test_each_stage_and_the_copy_are_told():
         assert names(lines) == ["visibility", "light", "reflection", "frame", "copy"]
         assert lines[-1] == "copy 1.2 ms"
         assert told(found(), show_times=False) == []
+
+
+def test_times_of_a_coarse_picture_are_told_as_such():
+    with registered():
+        small_scene().catoptric.method = "environment-map"
+        assert told(found(), scale=2)[-1] == "at 1/2 of the resolution"
+        assert told(found(), show_times=False, scale=2) == []
 
 
 def test_several_methods_stand_below_their_sum():

@@ -27,6 +27,7 @@ def lines(stage: stages.Stage, viewer: object, show_times: bool) -> list[str]:
     if picture and held and held.flip is not None and held.fits(picture.view):
         told.append(f"FLIP over the mirrors {held.flip:.4f}")
     if picture and show_times:
+        told += [f"at 1/{viewer.scale} of the resolution"] if viewer.scale > 1 else []
         told += [f"{name} {time:.1f} ms" for name, time in reversed(_stages(picture.time_ms, viewer.copy_ms).items())]
     return told
 

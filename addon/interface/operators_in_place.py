@@ -11,7 +11,7 @@ from ..methods.contract import View
 from . import preflight, stages
 from .background import ProcessTask
 from .in_place import InPlace
-from .viewport import view_of
+from .viewport import scale_at_rest, view_of
 from .working import Working
 
 
@@ -59,7 +59,7 @@ class CATOPTRIC_OT_compare_in_place(Working, bpy.types.Operator):
         scene = context.scene
         settings = scene.catoptric
         region = next(region for region in context.area.regions if region.type == "WINDOW")
-        view = view_of(region, context.region_data, int(settings.scale))
+        view = view_of(region, context.region_data, scale_at_rest(settings))
         settings.overlay = "SPLIT"
         stage = stages.known(scene, context.view_layer)
         return _Reference(stage, view, lighting=settings.lighting, samples=settings.reference_samples)

@@ -12,6 +12,7 @@ from ..parameters import Parameter, Value
 from ..scene import Lighting
 from . import stages
 from .choices import OF_SCENE
+from .viewport import AUTOMATIC
 
 LIGHTINGS = (
     (Lighting.UNLIT.value, "Unlit", "Colours alone: tests the geometry of the reflection", 0),
@@ -27,6 +28,11 @@ OVERLAYS = (
     ("SPLIT", "Ours and Cycles", "Half and half, once Cycles has drawn this view", 5),
     ("ERROR", "Error", "FLIP against Cycles, once it has drawn this view: black is equal", 6),
     ("REGIONS", "Reflection regions", "Green where a reflector may show an object, red where it cannot", 4),
+)
+RESOLUTIONS = (
+    (AUTOMATIC, "Automatic", "Full; coarser while anything moves, if full pictures take long", 0),
+    ("1", "Full", "A sample for every pixel of the screen", 1),
+    ("2", "Half", "Four times as fast", 2),
 )
 QUALITIES = ((1, "1"), (2, "4"), (4, "16"), (6, "36"))
 
@@ -135,8 +141,8 @@ class SceneSettings(bpy.types.PropertyGroup):
     )
     scale: bpy.props.EnumProperty(
         name="Resolution",
-        items=[("1", "Full", "A sample for every pixel of the screen", 1), ("2", "Half", "Four times as fast", 2)],
-        default="1",
+        items=RESOLUTIONS,
+        default=AUTOMATIC,
         update=_redraw,
         description="Resolution of the viewport's picture",
     )

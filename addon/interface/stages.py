@@ -148,6 +148,12 @@ def _redraw_panels_that_lag() -> None:
         redraw_panels()
 
 
+def redraw_in(seconds: float) -> None:
+    """Redraw the viewports after some time, whatever happens until then."""
+    if not bpy.app.timers.is_registered(_redraw_viewports):
+        bpy.app.timers.register(_redraw_viewports, first_interval=seconds)
+
+
 def _redraw_viewports() -> None:
     for window in bpy.context.window_manager.windows:
         if window.scene.render.engine != ENGINE:
@@ -172,7 +178,7 @@ def _give_way() -> None:
 
 
 lights.when_read = touch
-_register, unregister = forgetting_factory(_close_all, _poll, _give_way)
+_register, unregister = forgetting_factory(_close_all, _poll, _redraw_viewports, _give_way)
 
 
 def register() -> None:

@@ -56,6 +56,7 @@ window, area, regions = view3d()
 with bpy.context.temp_override(window=window, area=area, region=regions["WINDOW"]):
     bpy.ops.screen.screen_full_area(use_hide_panels=True)
 """
+ONE_SAMPLE = "bpy.context.scene.catoptric.samples = '1'"
 SIZE = "region = view3d()[2]['WINDOW']; print(region.width, '×', region.height)"
 RENDERER = """
 from importlib import import_module
@@ -133,12 +134,14 @@ def stalls(bench: Bench) -> None:
                 window.python(ENGINE.format(engine))
                 rendered(window, engine)
                 for name, step in {"orbit": "probe.orbit", "object moves": f"probe.shift({MOVED!r})"}.items():
-                    gaps, times = moved(window, step)
+                    found = moved(window, step)
+                    gaps = found["gaps"]
                     print(
                         f"{'with' if overlays else 'without'} overlays, {engine.lower():9} {name:13} {spread(gaps)}, "
-                        f"over {STALL_MS:.0f} ms: {sum(gap > STALL_MS for gap in gaps)} of {len(gaps)}"
+                        f"over {STALL_MS:.0f} ms: {sum(gap > STALL_MS for gap in gaps)} of {len(gaps)}, "
+                        f"pictures a second: {found['pictures']:.1f}"
                     )
-                    for function, own in times.items():
+                    for function, own in found["held"].items():
                         held.setdefault(function, []).extend(own)
                 if bench.pictures:
                     window.picture(bench.pictures / f"stalls-{engine.lower()}-{overlays}.png")
@@ -147,26 +150,32 @@ def stalls(bench: Bench) -> None:
         print(f"  {function:44} {len(times):5} calls, {spread(times)}")
 
 
-def moved(window: Window, step: str) -> tuple[list[float], dict[str, list[float]]]:
-    """Milliseconds between the ticks of a timer while something moves, and those that our functions took."""
+def moved(window: Window, step: str) -> dict:
+    """While something moves: milliseconds between the ticks of a timer, those that our functions took, and pictures
+    a second.
+    """
     window.settle(2.0)
     window.python(f"probe.motion = probe.Motion({step}, {TICKS})")
     window.until("probe.motion.over", 300.0)
     result = json.loads(window.python("print(probe.motion.result())"))
-    return result["gaps"][TICKS // 10 :], result["held"]
+    result["pictures"] /= 1e-3 * sum(result["gaps"])
+    return {**result, "gaps": result["gaps"][TICKS // 10 :]}
 
 
 def copy(bench: Bench) -> None:
     """What the way to the screen takes of a frame."""
     with bench.window("copy", *VIEWPORT) as window:
         window.python(WHOLE)
+        window.python(ONE_SAMPLE)
         rendered(window)
         print("viewport", window.python(SIZE).strip())
         records, _ = turn(window, TURNS)
         window.until("probe.at_rest()")
         back = json.loads(window.python(f"print(probe.read_back_ms({TURNS}))"))
-    total, sent, drawn = (np.array([record[name] for record in records]) for name in ("total", "copy", "frame"))
-    print(f"from a camera move to the screen {spread(total)}")
+    names = ("first", "total", "copy", "frame")
+    first, total, sent, drawn = (np.array([record[name] for record in records]) for name in names)
+    print(f"from a camera move to the screen {spread(first)}")
+    print(f"  in whole                       {spread(total)}")
     print(f"  drawing                        {spread(drawn)}")
     print(f"  reading back                   {spread(back)}")
     print(f"  to the screen                  {spread(sent)}")

@@ -30,7 +30,7 @@ area.spaces.active.shading.type = "RENDERED"
 _EYE = """
 import json
 window, area, regions = view3d({number})
-seen, region, scale = area.spaces.active.region_3d, regions["WINDOW"], int(window.scene.catoptric.scale)
+seen, region, scale = area.spaces.active.region_3d, regions["WINDOW"], probe.scale()
 matrices = [list(map(list, matrix)) for matrix in (seen.view_matrix, seen.window_matrix)]
 print(json.dumps([*matrices, region.width // scale, region.height // scale]))
 """

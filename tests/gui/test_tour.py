@@ -61,5 +61,15 @@ def test_the_viewport_shows_what_the_command_line_draws(fresh: Window, tmp_path:
     assert np.mean(off) < 3.0
 
 
+def test_a_picture_that_takes_long_is_coarse_while_it_turns_and_whole_at_rest(fresh: Window):
+    steps.show(fresh)
+    fresh.python("probe.viewport()._pace.took(1, 1.0)")
+    fresh.python("probe.motion = probe.Motion(probe.orbit, 100)")
+    fresh.until("probe.viewport().scale == 2")
+    assert fresh.python("print(probe.motion.over)").strip() == "False"
+    fresh.until("probe.motion.over and probe.at_rest()")
+    assert fresh.python("print(probe.viewport().scale)").strip() == "1"
+
+
 def test_nobody_complained(fresh: Window):
     assert steps.complaints(fresh) == []
