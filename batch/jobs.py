@@ -183,7 +183,7 @@ class _Comparison:
         """What the page tells of some methods besides their pictures; of many frames, in the first."""
         if name == plates.PUBLISHED:
             self._draw_plates(shot, progress)
-        if name in searches.METHODS.values():
+        if name in searches.METHODS:
             searches.follow(shot, self.job.settings[name], self.cache)
 
     def _draw_plates(self, shot: Shot, progress: Progress) -> None:

@@ -113,7 +113,7 @@ def _plates(result: Result, directory: Path) -> str | None:
 
 def _searches(comparison: Comparison, directory: Path) -> list[Curve]:
     first = comparison.first
-    if comparison.by_method.keys().isdisjoint(SEARCHES.values()):
+    if comparison.by_method.keys().isdisjoint(SEARCHES):
         return []
     return load(directory / searches_path(first.scene, first.frame, first.lighting))
 

@@ -15,8 +15,8 @@ from .judging import Shot
 from .pictures import searches_path
 from .results import atomically
 
-METHODS = {"published": VirtualObjectsPublished.name, "ours": VirtualObjects.name}
-"""The searches by name, and what draws with each."""
+METHODS = VirtualObjectsPublished.name, VirtualObjects.name
+"""What searches."""
 
 LEAST, MOST = 0.01, 100.0
 """Pixels, at the ends of the axis of errors."""
@@ -43,7 +43,7 @@ def _height(error: float) -> float:
 
 
 def follow(shot: Shot, settings: Mapping[str, Value], cache: Cache) -> Path | None:
-    """Write how near both searches come in the shot's largest reflector; None where it mirrors no vertex.
+    """Write how near the searches come in the shot's largest reflector; None where it mirrors no vertex.
 
     `settings` of one of METHODS, whose maps are searched.
     """

@@ -2,6 +2,7 @@
 
 from collections.abc import Callable, Mapping
 from dataclasses import dataclass
+from functools import partial
 
 import moderngl
 import numpy as np
@@ -24,6 +25,12 @@ _ENDED = 48
 
 _RIGHT = 1e-3
 """Radians that bisector and normal may be apart at a reflection point."""
+
+_REACHED = 1e-2
+"""And where our search goes on in the next frame; gpu_shaders/virtual/search.vert has the same."""
+
+_TURN = np.radians(90.0) / 60
+"""That the eye goes around the reflector in a frame: a quarter of the way in 60."""
 
 _MOST_VERTICES, _MOST_PARTS = 4000, 24
 """That are looked at in a scene."""
@@ -51,10 +58,11 @@ class Convergence:
 def convergence(
     scene: Scene, size: tuple[int, int], settings: Mapping[str, Value], cache: Cache | None = None
 ) -> dict[str, Convergence] | None:
-    """Both searches, `published` and `ours`, in the reflector that is largest in a picture of `size` pixels.
+    """The searches `published`, `ours` and `moving`, in the reflector that is largest in a picture of `size` pixels.
 
-    `settings` are those of the maps; of some thousand vertices those count that the reflector shows in the picture.
-    None if there are none.
+    `ours` begins as in a first picture; `moving` is ours while the camera goes around the reflector, a quarter of the
+    way in 60 frames: it begins where it ended in the frame before. `settings` are those of the maps; of some thousand
+    vertices those count that the reflector shows in the picture. None if there are none.
     """
     index = _largest(scene, size)
     points = _vertices(scene, index)
@@ -63,9 +71,16 @@ def convergence(
     maps = reflector_maps(scene.meshes[scene.instances[index].mesh], dict(settings), cache)
     tables = ResidentMaps(scene, {index: maps})
     try:
-        return _followed(scene, size, tables, points)
+        return _followed(scene, size, tables, index, points)
     finally:
         tables.release()
+
+
+def frame_before(eye: np.ndarray, centre: np.ndarray) -> np.ndarray:
+    """(4,) the eye a frame before `eye`, where it goes around what is upright through `centre` (3,)."""
+    cosine, sine = np.cos(_TURN), np.sin(_TURN)
+    turn = np.array([[cosine, sine, 0.0], [-sine, cosine, 0.0], [0.0, 0.0, 1.0]])
+    return np.append(turn @ (eye[:3] - eye[3] * centre) + eye[3] * centre, eye[3])
 
 
 def _largest(scene: Scene, size: tuple[int, int]) -> int | None:
@@ -91,21 +106,25 @@ def _vertices(scene: Scene, reflector: int | None) -> np.ndarray:
     return points[:: -(-len(points) // _MOST_VERTICES) or 1]
 
 
-def _followed(scene: Scene, size: tuple[int, int], tables: ResidentMaps, points: np.ndarray) -> dict | None:
-    """The errors of both searches in all parts, put together."""
+def _followed(scene: Scene, size: tuple[int, int], tables: ResidentMaps, index: int, points: np.ndarray) -> dict | None:
+    """The errors of the searches in all parts of a reflector, put together."""
     clip, eye = world_to_clip(scene.camera, *size), np.array(eye_of(scene.camera))
-    errors: dict[str, list[np.ndarray]] = {"published": [], "ours": []}
+    before = frame_before(eye, world_boxes(scene, [index])[0].mean(axis=0))
+    errors: dict[str, list[np.ndarray]] = {"published": [], "ours": [], "moving": []}
     for number, rays in _most_seen(tables, eye, lambda at: _pixels(clip, size, at)):
-        ends = reflection_points(tables, number, eye, points, _ENDED, False, rays)
-        right = (ends[:, 3] >= 0.0) & (ends[:, 3] < _RIGHT) & _is_on(tables, number, ends[:, :3])
-        places, inside = _pixels(clip, size, ends[:, :3])
-        right &= inside
+        search = partial(reflection_points, tables, number, eye, rays=rays)
+        starts = _starts(tables, number, before, points, rays)
+        places, right = _right(tables, number, search(points, _ENDED, False), clip, size)
         if not right.any():
             continue
+        # Hollow mirrors have several points for a vertex: which one is found is all one.
+        others, right_as_well = _right(tables, number, search(points, _ENDED, False, starts=starts), clip, size)
+        others = np.where(right_as_well[:, None], others, places)[right]
         for name, each in errors.items():
+            begun = starts[right] if name == "moving" else None
             for steps in range(1, STEPS + 1):
-                now = reflection_points(tables, number, eye, points[right], steps, name == "published", rays)
-                each.append(np.linalg.norm(_pixels(clip, size, now[:, :3])[0] - places[right], axis=1))
+                now, _ = _pixels(clip, size, search(points[right], steps, name == "published", starts=begun)[:, :3])
+                each.append(np.minimum(*(np.linalg.norm(now - end, axis=1) for end in (places[right], others))))
     if not errors["ours"]:
         return None
     return {name: _summed(each) for name, each in errors.items()}
@@ -122,6 +141,21 @@ def _pixels(clip: np.ndarray, size: tuple[int, int], points: np.ndarray) -> tupl
     at = np.c_[points, np.ones(len(points))] @ clip.T
     places = at[:, :2] / np.where(at[:, 3:] == 0.0, 1e-30, at[:, 3:]) * np.array(size) / 2.0
     return places, (at[:, 3] > 0.0) & (np.abs(places) <= np.array(size) / 2.0).all(axis=1)
+
+
+def _right(
+    tables: ResidentMaps, number: int, ends: np.ndarray, clip: np.ndarray, size: tuple[int, int]
+) -> tuple[np.ndarray, np.ndarray]:
+    """(N, 2) where searches have ended in the picture, and (N,) whether those are reflection points within it."""
+    places, inside = _pixels(clip, size, ends[:, :3])
+    return places, (ends[:, 3] >= 0.0) & (ends[:, 3] < _RIGHT) & _is_on(tables, number, ends[:, :3]) & inside
+
+
+def _starts(tables: ResidentMaps, number: int, eye: np.ndarray, points: np.ndarray, rays: Mapping) -> np.ndarray:
+    """(N, 3) where our search ended for an eye, as directions of the part's frame; 0 where it has found nothing."""
+    ends = reflection_points(tables, number, eye, points, _ENDED, False, rays)
+    reached = (ends[:, 3] >= 0.0) & (ends[:, 3] <= _REACHED)
+    return tables.directions_of(number, ends[:, :3]) * reached[:, None]
 
 
 def _is_on(tables: ResidentMaps, number: int, points: np.ndarray) -> np.ndarray:
@@ -173,12 +207,14 @@ def reflection_points(
     steps: int,
     published: bool,
     rays: Mapping[str, np.ndarray] | None = None,
+    starts: np.ndarray | None = None,
 ) -> np.ndarray:
     """(N, 4) float32: where the search for each of the world's `points` (N, 3) is after so many steps; GL thread.
 
     xyz the point of the reflector, w the angle in radians between normal and bisector there, below 0 where the part
     hides the vertex or faces away. `eye` (4,), w 0 for one that is infinitely far away; `number` that of the part,
-    from 1; `rays` are uniforms by which ours starts in patches.
+    from 1; `rays` are uniforms by which ours starts in patches, `starts` (N, 3) directions in the part's frame from
+    which it starts instead, where they are not 0.
     """
     stages = {"vertex_shader": "virtual_published/points.vert"}
     shader = feedback(stages, ("reached",), {"ORDER": 1, "PUBLISHED": int(published)})
@@ -193,12 +229,14 @@ def reflection_points(
             shader[name].write(np.ascontiguousarray(value, np.float32).tobytes())
     context = require()
     vertices, reached = context.buffer(np.asarray(points, np.float32)), context.buffer(reserve=16 * len(points))
-    array = context.vertex_array(shader, [(vertices, "3f", "position")])
+    begun = context.buffer(np.zeros((len(points), 3), np.float32) if starts is None else starts.astype(np.float32))
+    inputs = [(vertices, "3f", "position")] + ([] if published else [(begun, "3f", "start")])
+    array = context.vertex_array(shader, inputs)
     nothing = context.simple_framebuffer((1, 1))  # OpenGL draws, even to nowhere, only where there is one
     try:
         nothing.use()
         array.transform(reached, moderngl.POINTS, vertices=len(points))
         return np.frombuffer(read_back(reached), np.float32).reshape(-1, 4)
     finally:
-        for part in (array, vertices, reached, nothing):
+        for part in (array, vertices, begun, reached, nothing):
             part.release()
